@@ -1,0 +1,183 @@
+"""Contact with walls and between particles, the supply at the inflow, and what leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from debrisflow import geometry
+from debrisflow._jit import kernel, loop
+from debrisflow.case import tables
+from debrisflow.operators import WallSurface, neighbor
+from debrisflow.particles import Kind, Particles, blank, set_material
+from debrisflow.state import State
+
+Floats = NDArray[np.float64]
+
+
+def wall_surface(particles: Particles, case: tables.Case) -> WallSurface:
+    """Return what the viscous terms need to know of the walls."""
+    named = [getattr(case.walls, name) for name in geometry.WALL_NAMES]
+    # One entry more, so that the index -1 of other particles finds zeros.
+    slip = np.array([float(wall.slip == "free-slip") for wall in named] + [0.0])
+    roughness = np.array([wall.roughness for wall in named] + [0.0])
+    return WallSurface(
+        particles.wall_normal,
+        particles.wall_depth,
+        slip[particles.wall],
+        roughness[particles.wall],
+    )
+
+
+@kernel
+def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, stencil):
+    """Return the velocity of particle i after its collisions.
+
+    Two particles nearer than ``distance`` that approach each other exchange the impulse of a
+    collision with the given restitution, evaluated from the same velocities for both, so that
+    momentum is conserved; inflow particles have infinite mass.  A wall acts as the plane of its
+    surface: a particle nearer to it than ``distance - d0/2`` loses its approach along the normal
+    and slides freely.  Without collisions a dam break blows up.
+    """
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    u0, v0, w0 = u, v, w
+    reach = distance - 0.5 * stencil.spacing
+    for k in range(stencil.count[i]):
+        j, dx, dy, dz, r = neighbor(i, k, stencil)
+        if r >= distance or walls.depth[j] > 0.0:
+            continue
+        approach = (
+            (u0 - velocity[j, 0]) * dx + (v0 - velocity[j, 1]) * dy + (w0 - velocity[j, 2]) * dz
+        )
+        if approach > 0.0:
+            share = density[j] / (density[i] + density[j]) if j < fluid_count else 1.0
+            impulse = (1.0 + restitution) * share * approach / (r * r)
+            u -= impulse * dx
+            v -= impulse * dy
+            w -= impulse * dz
+    for k in range(stencil.count[i]):
+        j, dx, dy, dz, r = neighbor(i, k, stencil)
+        s = walls.depth[j]
+        if s <= 0.0 or s > stencil.spacing or r > 1.5 * stencil.spacing:
+            continue
+        nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
+        height = -(dx * nx + dy * ny + dz * nz) - s
+        approach = (
+            (velocity[j, 0] - u) * nx + (velocity[j, 1] - v) * ny + (velocity[j, 2] - w) * nz
+        )
+        if height < reach and approach > 0.0:
+            u += (1.0 + restitution) * approach * nx
+            v += (1.0 + restitution) * approach * ny
+            w += (1.0 + restitution) * approach * nz
+    return u, v, w
+
+
+@loop
+def collide(fluid_count, velocity, density, walls, distance, restitution, stencil, collided):
+    """Write the velocities of the fluid particles after their collisions."""
+    for i in prange(fluid_count):
+        collided[i, 0], collided[i, 1], collided[i, 2] = collide_at(
+            i, fluid_count, velocity, density, walls, distance, restitution, stencil
+        )
+
+
+def supply(case: tables.Case, time: float) -> tuple[float, float]:
+    """Return velocity, m/s, and sediment concentration of the supply at a time.
+
+    The velocity gives the discharge through the whole rows of particles that stand for the depth.
+    Nothing is supplied before t = 0.
+    """
+    inflow = case.inflow
+    if inflow is None or time < 0.0:
+        return 0.0, 0.0
+    if isinstance(inflow.hydrograph, tables.Hydrograph):
+        h = inflow.hydrograph
+        discharge = float(np.interp(time, h.time, h.discharge))
+        concentration = float(np.interp(time, h.time, h.concentration))
+    else:
+        assert inflow.discharge is not None
+        discharge, concentration = inflow.discharge, inflow.concentration
+    return discharge / (geometry.inflow_rows(case) * case.particles.spacing), concentration
+
+
+def advance_supply(state: State, case: tables.Case, dt: float) -> None:
+    """Move the supply by a step; what passes x = 0 turns into fluid, and new columns follow."""
+    particles = state.particles
+    if particles.inflow_count == 0:
+        return
+    velocity, concentration = supply(case, state.time)
+    rows = particles.inflow
+    particles.position[rows, 0] += dt * velocity
+    particles.velocity[rows, 0] = velocity
+    passed = particles.position[rows, 0] >= 0.0
+    if passed.any():
+        _release(state, np.nonzero(passed)[0] + particles.fluid_count)
+        _add_column(state, case, concentration)
+
+
+def _release(state: State, rows: NDArray[np.int64]) -> None:
+    """Turn inflow particles into fluid, behind the other fluid particles."""
+    particles = state.particles
+    sediment = particles.sediment_fraction[rows] > 0.0
+    particles.kind[rows] = np.where(sediment, Kind.SEDIMENT, Kind.LIQUID)
+    state.entered += np.bincount(particles.kind[rows], minlength=state.entered.size)
+    order = np.arange(particles.count)
+    waiting = np.setdiff1d(order[particles.inflow], rows)
+    order[particles.inflow] = np.concatenate([rows, waiting])
+    particles.take(order)
+    particles.fluid_count += rows.size
+    particles.inflow_count -= rows.size
+
+
+def _add_column(state: State, case: tables.Case, concentration: float) -> None:
+    """Add a column of supply behind the last one; its sediment follows the concentration."""
+    particles, d0 = state.particles, case.particles.spacing
+    count = geometry.inflow_rows(case)
+    column = blank(count)
+    column.position[:, 0] = particles.position[particles.inflow, 0].min() - d0
+    column.position[:, 1] = (np.arange(count) + 0.5) * d0
+    column.velocity[:, 0] = supply(case, state.time)[0]
+    set_material(column, slice(None), Kind.LIQUID, case)
+    state.supply_sediment += concentration * count
+    due = int(state.supply_sediment)
+    state.supply_sediment -= due
+    # Seeded by the column's number, so that a resumed run draws the same.
+    rng = np.random.default_rng([case.particles.seed, state.supply_columns])
+    set_material(column, rng.permutation(count)[:due], Kind.SEDIMENT, case)
+    column.kind[:] = Kind.INFLOW
+    column.id[:] = state.next_id + np.arange(count)
+    particles.insert(particles.inflow.stop, column)
+    particles.inflow_count += count
+    state.supply_columns += 1
+    state.next_id += count
+
+
+def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> None:
+    """Remove fluid particles outside the domain and count them by phase.
+
+    What is found beside closed walls below their rim, or under the floor, went through a wall;
+    all else left through an open end or over the rim.
+    """
+    particles = state.particles
+    position = particles.position[particles.fluid]
+    wraps = domain.period > 0.0
+    if wraps.any():
+        position[:, wraps] %= domain.period[wraps]
+    outside = np.any((position < domain.lower) | (position > domain.upper), axis=1)
+    level = geometry.floor_level(case, position[:, 0])
+    sunk = position[:, 1] < level - case.particles.spacing
+    gone = outside | sunk
+    if not gone.any():
+        return
+    beside = (position[:, 0] < domain.lower[0]) | (position[:, 0] > domain.upper[0])
+    leaked = (sunk & ~beside) | (gone & (position[:, 1] < domain.rim))
+    kind = particles.kind[particles.fluid]
+    phases = state.left.size
+    state.left += np.bincount(kind[gone & ~leaked], minlength=phases)
+    state.through_wall += np.bincount(kind[leaked], minlength=phases)
+    kept = np.concatenate(
+        [np.nonzero(~gone)[0], np.arange(particles.fluid_count, particles.count)]
+    )
+    particles.take(kept)
+    particles.fluid_count -= int(np.count_nonzero(gone))

@@ -1,0 +1,6 @@
+"""The case file: read, checked, completed and written."""
+
+from debrisflow.case.loading import case_schema, dump_case, load_case
+from debrisflow.case.tables import Case
+
+__all__ = ["Case", "case_schema", "dump_case", "load_case"]

@@ -1,0 +1,165 @@
+"""Defaults that follow from other fields, written out so that a run can be repeated exactly.
+
+Completing a completed case changes nothing.
+"""
+
+from __future__ import annotations
+
+from math import hypot, sqrt
+from typing import TypeVar
+
+from debrisflow.case.tables import (
+    Bed,
+    Block,
+    Case,
+    Channel,
+    Drag,
+    Gravity,
+    Inflow,
+    Mixture,
+    Output,
+    Particles,
+    Sediment,
+    Strength,
+    Table,
+    Tank,
+    Water,
+)
+
+WEIR_SPACINGS = 4
+_Any = TypeVar("_Any", bound=Table)
+
+_FORMS: dict[str, dict[str, object]] = {
+    "stable": {
+        "gradient": "sum",
+        "interface": "symmetric",
+        "free_surface": "asymmetry",
+        "density_correction": 0.02,
+    },
+    "study": {
+        "gradient": "cmps",
+        "interface": "study",
+        "free_surface": "density",
+        "density_correction": 0.0,
+    },
+}
+
+
+def complete(case: Case) -> Case:
+    """Return the case with every default that follows from other fields filled in."""
+    tables: dict[str, Table | None] = {
+        "geometry": _geometry(case.geometry, case.particles),
+        "inflow": _inflow(case.inflow),
+        "scheme": _filled(case.scheme, **_FORMS[case.scheme.form]),
+        "time": _filled(case.time, largest_step=_largest_step(case)),
+        "output": _output(case.output),
+    }
+    return case.model_copy(update=tables)
+
+
+def bed_end(geometry: Channel, particles: Particles) -> float:
+    """Return the x at which the recess ends, m: given, or where the weir begins."""
+    if geometry.bed_end is not None:
+        return geometry.bed_end
+    if geometry.periodic:
+        return geometry.length
+    # Rounded to picometers so that 7 - 4 * 0.02 is written as 6.92.
+    return round(geometry.length - WEIR_SPACINGS * particles.spacing, 12)
+
+
+def viscous_limits(
+    particles: Particles,
+    fill: tuple[Block | Bed, ...],
+    inflow: Inflow | None,
+    water: Water,
+    sediment: Sediment,
+    mixture: Mixture,
+    strength: Strength,
+    drag: Drag,
+) -> dict[str, float]:
+    """Return the time step, s, that the explicit viscosity of each phase present allows.
+
+    The limit is ``0.2 d0^2 rho / mu``; with a strength or a drag law viscosity is implicit and
+    there is none.
+    """
+    if strength.law != "none" or drag.law != "none":
+        return {}
+    solid = mixture.concentration
+    mixed_density = water.density + solid * (sediment.density - water.density)
+    properties = {
+        "water": (water.density, water.viscosity),
+        "sediment": (sediment.density, sediment.viscosity),
+        "mixture": (mixed_density, mixture.viscosity),
+    }
+    return {
+        phase: 0.2 * particles.spacing * particles.spacing * density / viscosity
+        for phase, (density, viscosity) in properties.items()
+        if viscosity > 0 and phase in phases(fill, inflow)
+    }
+
+
+def phases(fill: tuple[Block | Bed, ...], inflow: Inflow | None) -> set[str]:
+    """Return which of water, sediment and mixture the fills and the supply bring."""
+    materials: set[str] = {part.material for part in fill}
+    present = materials - {"mix"}
+    if "mix" in materials:
+        present |= {"water", "sediment"}
+    if inflow is not None:
+        laden = inflow.concentration > 0 or inflow.hydrograph is not None
+        present |= {"water", "sediment"} if laden else {"water"}
+    return present
+
+
+def _filled(table: _Any, **defaults: object) -> _Any:
+    """Return a table whose missing fields take the given values."""
+    missing = {name: value for name, value in defaults.items() if getattr(table, name) is None}
+    return table.model_copy(update=missing)
+
+
+def _geometry(geometry: Tank | Channel, particles: Particles) -> Tank | Channel:
+    if isinstance(geometry, Tank):
+        return geometry
+    return _filled(geometry, bed_end=bed_end(geometry, particles))
+
+
+def _inflow(inflow: Inflow | None) -> Inflow | None:
+    if inflow is None or inflow.hydrograph is not None:
+        return inflow
+    if inflow.discharge is not None:
+        return _filled(inflow, velocity=inflow.discharge / inflow.depth)
+    assert inflow.velocity is not None  # the checks see to it
+    return _filled(inflow, discharge=inflow.velocity * inflow.depth)
+
+
+def _output(output: Output) -> Output:
+    return _filled(
+        output,
+        deposit_interval=output.interval,
+        history_interval=output.interval / 10,
+    )
+
+
+def _largest_step(case: Case) -> float:
+    """Return the step that gravity and explicit viscosity allow, s.
+
+    Without gravity nothing but the Courant number knows the speed, so that a tenth of an output
+    interval is the bound.
+    """
+    limits = viscous_limits(
+        case.particles,
+        case.fill,
+        case.inflow,
+        case.water,
+        case.sediment,
+        case.mixture,
+        case.strength,
+        case.drag,
+    )
+    return min([_gravity_limit(case.gravity, case.particles, case.output), *limits.values()])
+
+
+def _gravity_limit(gravity: Gravity, particles: Particles, output: Output) -> float:
+    magnitude = hypot(*gravity.components)
+    if magnitude == 0:
+        return output.interval / 10
+    return 0.03 * sqrt(particles.spacing / magnitude)

@@ -1,0 +1,89 @@
+"""How many particles a case makes and what memory they need, before any array is made."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from debrisflow.case.regions import covered, recess
+from debrisflow.case.tables import Bed, Block, Case, Channel, Inflow, Particles, Tank
+
+# Arrays, neighbor list and pressure equation of one particle at an influence radius of 3.1.
+BYTES_A_PARTICLE = 1600
+
+
+def particle_estimate(case: Case) -> dict[str, float]:
+    """Return the numbers of fluid, inflow and wall particles and the memory that they need.
+
+    Returns
+    -------
+    dict
+        ``fluid``, ``inflow`` (all that a channel can hold of the supply), ``wall``, ``total``
+        and ``memory`` in bytes.
+    """
+    return estimate(case.particles, case.geometry, case.fill, case.inflow)
+
+
+def estimate(
+    particles: Particles,
+    geometry: Tank | Channel,
+    fill: tuple[Block | Bed, ...],
+    inflow: Inflow | None,
+) -> dict[str, float]:
+    """Return the estimate of :func:`particle_estimate` from single tables.
+
+    Areas over the square of the spacing; walls by their length and the layers that the influence
+    radius reaches.
+    """
+    spacing = particles.spacing
+    layers = int(particles.effective_radius) + 1
+    areas = [area.area for part in fill if (area := covered(part, geometry, particles))]
+    supply = inflow.depth if inflow and isinstance(geometry, Channel) else 0.0
+    # Divided twice, since the square of a very small spacing would be zero.
+    fluid = sum(areas) / spacing / spacing
+    waiting = supply / spacing * layers + supply * _length(geometry) / spacing / spacing
+    wall = (_wall_length(geometry, particles) / spacing + 4 * layers) * layers
+    total = fluid + waiting + wall
+    return {
+        "fluid": fluid,
+        "inflow": waiting,
+        "wall": wall,
+        "total": total,
+        "memory": total * BYTES_A_PARTICLE,
+    }
+
+
+def available_memory() -> float | None:
+    """Return the memory, in bytes, that can be had now, None where it cannot be told."""
+    try:
+        for line in Path("/proc/meminfo").read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return 1024.0 * int(line.split()[1])
+        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, OSError, ValueError):
+        return None
+
+
+def size(count: float) -> str:
+    """Return a number of bytes as people write it.
+
+    Examples
+    --------
+    >>> size(3.2e7), size(5e9)
+    ('32 MB', '5.0 GB')
+    """
+    return f"{count / 1e9:,.1f} GB" if count >= 1e9 else f"{count / 1e6:.0f} MB"
+
+
+def _length(geometry: Tank | Channel) -> float:
+    return geometry.width if isinstance(geometry, Tank) else geometry.length
+
+
+def _wall_length(geometry: Tank | Channel, particles: Particles) -> float:
+    length = _length(geometry)
+    if isinstance(geometry, Tank):
+        sides = 0.0 if geometry.periodic else 2 * geometry.height
+        return length * (2 if geometry.ceiling else 1) + sides
+    hollow = recess(geometry, particles)
+    sides = 0.0 if geometry.periodic else geometry.height + geometry.weir_height
+    return length + sides + (2 * geometry.bed_thickness if hollow else 0.0)

@@ -1,0 +1,95 @@
+"""Changes to a case from the command line: ``--set particles.spacing=0.01``."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from typing import Any
+
+from debrisflow.case.problems import Problem
+
+# Fields of which one stands for the others: setting it takes the others out of the file.
+_ALTERNATIVES = (
+    ({"inflow.discharge"}, {"inflow.velocity"}, {"inflow.hydrograph", "inflow.concentration"}),
+    ({"gravity.vector"}, {"gravity.acceleration", "gravity.slope"}),
+)
+
+
+def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> list[Problem]:
+    """Set the given keys of a case as read from TOML, in place.
+
+    Parameters
+    ----------
+    data : dict
+        The case; changed in place.
+    overrides : sequence of str
+        Each ``a.b.c=VALUE``, an array entry by its index (``fill.0.x=[0, 1]``).  The value is
+        TOML; what is not, is taken as text, so that words need no quotes.
+
+    Returns
+    -------
+    list of Problem
+        Overrides that could not be made.  An unknown key is set and found with all the others.
+    """
+    problems: list[Problem] = []
+    made: set[str] = set()
+    for override in overrides:
+        key, equals, text = override.partition("=")
+        key = key.strip()
+        if not key or not equals:
+            problems.append(Problem(f"--set {override}", "must be KEY=VALUE"))
+            continue
+        problem = _assign(data, key.split("."), parse_value(text))
+        if problem:
+            problems.append(problem)
+        made.add(key)
+    _drop_alternatives(data, made)
+    return problems
+
+
+def parse_value(text: str) -> Any:
+    """Return a TOML value, or the text itself where it is none.
+
+    Examples
+    --------
+    >>> parse_value("0.01"), parse_value("[0, 1]"), parse_value("study")
+    (0.01, [0, 1], 'study')
+    """
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text.strip()
+    return parsed["value"] if len(parsed) == 1 else text
+
+
+def _assign(data: dict[str, Any], parts: list[str], value: Any) -> Problem | None:
+    """Set one value, making the tables on its way that are not there yet."""
+    node: Any = data
+    for k, part in enumerate(parts):
+        key = ".".join(parts[: k + 1])
+        step: str | int = part
+        if isinstance(node, list):
+            if not part.isdecimal() or int(part) >= len(node):
+                return Problem(key, f"no such entry; there are {len(node)}, counted from 0")
+            step = int(part)
+        elif not isinstance(node, dict):
+            return Problem(key, "unknown key", value)
+        if k == len(parts) - 1:
+            node[step] = value
+        elif isinstance(node, dict):
+            node = node.setdefault(part, {})
+        else:
+            node = node[int(part)]
+    return None
+
+
+def _drop_alternatives(data: dict[str, Any], made: set[str]) -> None:
+    """Take out of the file what an override stands for, unless it was overridden too."""
+    for ways in _ALTERNATIVES:
+        chosen = [way for way in ways if way & made]
+        if not chosen:
+            continue
+        for key in set().union(*ways) - set().union(*chosen):
+            table, name = key.split(".")
+            if isinstance(data.get(table), dict):
+                data[table].pop(name, None)

@@ -1,0 +1,312 @@
+"""The case file as frozen tables: every field with its unit, its default and what it means.
+
+The tables hold what one field can say of itself (type, range, unit).  What needs two or more
+fields is said in :mod:`debrisflow.case.checks`.
+"""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, Strict
+
+NONE = "-"
+Interval = Annotated[tuple[float, float], Strict(False)]
+Vector = Annotated[tuple[float, float], Strict(False)]
+Series = Annotated[tuple[float, ...], Strict(False)]
+
+
+def quantity(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
+    """Return a pydantic field that carries its unit into the JSON schema."""
+    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
+
+
+class Table(BaseModel):
+    """A frozen table of the case file that refuses unknown keys and non-finite numbers."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Particles(Table):
+    """How the continuum is cut into particles."""
+
+    spacing: float = quantity("m", "initial distance d0 between particles", gt=0)
+    effective_radius: float = quantity(
+        "spacing", "influence radius r_e as a multiple of the spacing", 3.1, ge=1.5, le=5.0
+    )
+    seed: int = quantity(NONE, "seed of every random choice of the run", 1, ge=0)
+
+
+class Gravity(Table):
+    """Gravity: either a slope of the x axis or a vector."""
+
+    acceleration: float = quantity("m/s2", "magnitude of gravity, used with slope", 9.81, ge=0)
+    slope: float = quantity(
+        "degree", "angle by which the x axis falls below the horizontal", 0.0, gt=-90, lt=90
+    )
+    vector: Vector | None = quantity(
+        "m/s2", "acceleration along x and y, instead of acceleration and slope", None
+    )
+
+    @property
+    def components(self) -> tuple[float, float]:
+        """Acceleration along x and y, m/s2, however it was given."""
+        if self.vector is not None:
+            return self.vector
+        angle = radians(self.slope)
+        return self.acceleration * sin(angle), -self.acceleration * cos(angle)
+
+
+class Tank(Table):
+    """A rectangular tank; its inner corner is the origin, y is up."""
+
+    type: Literal["tank"]
+    width: float = quantity("m", "inner width along x", gt=0)
+    height: float = quantity("m", "height of the side walls above the floor", gt=0)
+    ceiling: bool = quantity(NONE, "close the tank by a wall at its height", False)
+    periodic: bool = quantity(NONE, "repeat the tank along x instead of side walls", False)
+
+
+class Channel(Table):
+    """A channel along x with a fixed floor at y = 0, a recessed movable bed and an end weir.
+
+    The end at x = length is open: what passes it leaves the computation.
+    """
+
+    type: Literal["channel"]
+    length: float = quantity("m", "length along the floor, from x = 0", gt=0)
+    height: float = quantity("m", "height of the computed space above the fixed floor", gt=0)
+    bed_start: float = quantity("m", "x at which the recess for the bed begins", 0.0, ge=0)
+    bed_end: float | None = quantity(
+        "m", "x at which the recess ends; the length less the weir if left out", None
+    )
+    bed_thickness: float = quantity("m", "depth of the recess below the fixed floor", 0.0, ge=0)
+    weir_height: float = quantity(
+        "m", "crest of the end weir above the fixed floor; 0 is level with the bed", 0.0, ge=0
+    )
+    periodic: bool = quantity(NONE, "repeat the channel along x: no weir, no open end", False)
+
+
+class Block(Table):
+    """A rectangle filled with particles on a lattice."""
+
+    type: Literal["block"]
+    x: Interval = quantity("m", "extent along x")
+    y: Interval = quantity("m", "extent along y")
+    material: Literal["water", "sediment", "mixture", "mix"] = quantity(
+        NONE,
+        "water; sediment (rock); mixture (one kind of particle for both); "
+        "mix (seeded random water and sediment particles)",
+    )
+    sediment_share: float = quantity(NONE, "share of sediment particles in a mix", 0.5, ge=0, le=1)
+    velocity: Vector = quantity("m/s", "initial velocity", (0.0, 0.0))
+
+
+class Bed(Table):
+    """The recess of a channel, filled to the level of its fixed floor."""
+
+    type: Literal["bed"]
+    material: Literal["water", "sediment", "mixture", "mix"] = quantity(
+        NONE, "as in a block", "mix"
+    )
+    sediment_share: float = quantity(NONE, "share of sediment particles in a mix", 0.5, ge=0, le=1)
+
+
+class Wall(Table):
+    """What a wall does to the fluid along it."""
+
+    slip: Literal["no-slip", "free-slip"] = quantity(NONE, "condition along the wall", "no-slip")
+    velocity: Vector = quantity("m/s", "velocity of the wall along itself", (0.0, 0.0))
+    roughness: float = quantity(
+        "m", "equivalent sand roughness of the law of the wall; 0 for no turbulent friction", 0.0, ge=0
+    )
+
+
+class Walls(Table):
+    """The named walls."""
+
+    floor: Wall = Field(
+        default=Wall(), description="floor of the tank, or fixed floor of the channel"
+    )
+    bed: Wall = Field(default=Wall(), description="floor and steps of the recess under the bed")
+    left: Wall = Field(default=Wall(), description="wall at x = 0")
+    right: Wall = Field(
+        default=Wall(), description="wall at x = width, or the end weir of a channel"
+    )
+    ceiling: Wall = Field(default=Wall(), description="ceiling of a tank")
+
+
+class Hydrograph(Table):
+    """A supply that changes with time; linear between the rows."""
+
+    time: Series = quantity("s", "times, increasing")
+    discharge: Series = quantity("m2/s", "discharge per unit width of sediment and water")
+    concentration: Series = quantity(NONE, "volumetric sediment concentration of the supply")
+
+
+class Inflow(Table):
+    """A supply through x = 0 of a channel; its particles turn into fluid when they pass x = 0."""
+
+    depth: float = quantity("m", "depth of the supply above the fixed floor", gt=0)
+    discharge: float | None = quantity("m2/s", "discharge per unit width", None, gt=0)
+    velocity: float | None = quantity("m/s", "velocity of the supply", None, gt=0)
+    concentration: float = quantity(
+        NONE, "volumetric sediment concentration of the supply", 0.0, ge=0, lt=1
+    )
+    hydrograph: Hydrograph | str | None = quantity(
+        NONE,
+        "table, or a CSV file beside the case with the columns time, discharge, concentration; "
+        "instead of discharge, velocity and concentration",
+        None,
+    )
+
+
+class Water(Table):
+    """The liquid phase."""
+
+    density: float = quantity("kg/m3", "density of water", 1000.0, gt=0)
+    viscosity: float = quantity("Pa s", "dynamic viscosity of water", 1.0e-3, ge=0)
+
+
+class Sediment(Table):
+    """The solid phase: grains of rock."""
+
+    density: float = quantity("kg/m3", "density of the rock", 2650.0, gt=0)
+    viscosity: float = quantity("Pa s", "dynamic viscosity of sediment particles", 1.0e-3, ge=0)
+    grain_diameter: float = quantity("m", "mean grain diameter", 3.0e-3, gt=0)
+    restitution: float = quantity(
+        NONE, "coefficient of restitution between grains", 0.7, ge=0, lt=1
+    )
+    packing_limit: float = quantity(
+        NONE, "greatest volumetric concentration of a packing", 0.55, gt=0, lt=1
+    )
+
+
+class Mixture(Table):
+    """One kind of particle that stands for sediment and water together."""
+
+    concentration: float = quantity(
+        NONE, "volumetric sediment concentration of a mixture particle", 0.5, ge=0, lt=1
+    )
+    viscosity: float = quantity("Pa s", "dynamic viscosity of the mixture", 1.0e-3, ge=0)
+
+
+class CollisionStress(Table):
+    """Kinetic-theory stress of colliding grains."""
+
+    enabled: bool = quantity(NONE, "let grains exchange momentum by collisions", False)
+    granular_temperature: Literal["algebraic", "neighborhood"] = quantity(
+        NONE,
+        "algebraic: production equals dissipation; "
+        "neighborhood: variance of the velocity inside the influence radius",
+        "algebraic",
+    )
+    largest_concentration: float = quantity(
+        NONE, "concentration at which the radial distribution is clipped", 0.5, gt=0, lt=1
+    )
+
+
+class Drag(Table):
+    """Momentum exchange between water and sediment particles."""
+
+    law: Literal["none", "gidaspow"] = quantity(NONE, "law of the drag", "none")
+
+
+class Strength(Table):
+    """Friction of packed grains and turbulence of the flow over them."""
+
+    law: Literal["none", "coulomb"] = quantity(NONE, "strength of the bed", "none")
+    friction_angle: float = quantity("degree", "angle of internal friction", 35.0, gt=0, lt=90)
+    mixing_length: float = quantity("m", "length of the turbulent viscosity", 0.0, ge=0)
+    concentration_ramp: Interval = quantity(
+        NONE, "concentrations between which the strength grows from 0 to full", (0.10, 0.25)
+    )
+    smallest_shear_rate: float = quantity(
+        "1/s", "shear rate below which the friction is viscous", 0.005, gt=0
+    )
+    largest_viscosity: float = quantity(
+        "Pa s", "viscosity at which the friction is capped", 5.0e4, gt=0
+    )
+
+
+class Scheme(Table):
+    """Operators and numbers of the semi-implicit scheme; a choice left out follows the form."""
+
+    form: Literal["stable", "study"] = quantity(
+        NONE, "stable: recommended operators; study: those of the study", "stable"
+    )
+    gradient: Literal["sum", "cmps"] | None = quantity(
+        NONE, "pressure gradient: conservative sum, or CMPS of the study", None
+    )
+    interface: Literal["symmetric", "study"] | None = quantity(
+        NONE, "coefficient of the pressure equation where the density varies", None
+    )
+    free_surface: Literal["asymmetry", "density"] | None = quantity(
+        NONE, "detection by number density and asymmetry, or by number density alone", None
+    )
+    density_correction: float | None = quantity(
+        NONE, "share of the density error corrected in one step", None, ge=0, le=1
+    )
+    courant: float = quantity(NONE, "greatest path of a particle in a step, in spacings", 0.2, gt=0)
+    tolerance: float = quantity(
+        NONE, "relative residual of the pressure equation", 1.0e-4, gt=0, lt=1
+    )
+    collision_distance: float = quantity(
+        "spacing", "distance below which approaching particles collide", 0.9, ge=0, le=1
+    )
+    collision_restitution: float = quantity(
+        NONE, "coefficient of restitution of particle collisions", 0.2, ge=0, le=1
+    )
+
+
+class Time(Table):
+    """Simulated time."""
+
+    end: float = quantity("s", "end of the simulated time", gt=0)
+    largest_step: float | None = quantity(
+        "s",
+        "greatest time step; if left out, 0.03 sqrt(spacing / gravity) "
+        "or the limit of explicit viscosity, whichever is less",
+        None,
+        gt=0,
+    )
+    relaxation: float = quantity(
+        "s", "time for which the fills settle, without inflow, before t = 0", 0.0, ge=0
+    )
+
+
+class Output(Table):
+    """What is written and when."""
+
+    interval: float = quantity("s", "interval of the particle files", gt=0)
+    deposit_interval: float | None = quantity(
+        "s", "interval of the deposit series; as the particle files if left out", None, gt=0
+    )
+    history_interval: float | None = quantity(
+        "s", "interval of the history; a tenth of the particle files if left out", None, gt=0
+    )
+    rest_speed: float = quantity("m/s", "speed below which a deposit is at rest", 0.05, gt=0)
+
+
+class Case(Table):
+    """A whole case file."""
+
+    title: str = quantity(NONE, "one line that says what is computed")
+    particles: Particles
+    gravity: Gravity = Gravity()
+    geometry: Annotated[Tank | Channel, Field(discriminator="type")]
+    fill: Annotated[
+        tuple[Annotated[Block | Bed, Field(discriminator="type")], ...], Strict(False)
+    ] = Field((), description="what is filled with particles at the start")
+    walls: Walls = Walls()
+    inflow: Inflow | None = None
+    water: Water = Water()
+    sediment: Sediment = Sediment()
+    mixture: Mixture = Mixture()
+    collision_stress: CollisionStress = CollisionStress()
+    drag: Drag = Drag()
+    strength: Strength = Strength()
+    scheme: Scheme = Scheme()
+    time: Time
+    output: Output

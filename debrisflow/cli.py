@@ -1,0 +1,131 @@
+"""The command line; what a command needs is imported inside it, so that help is instant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from debrisflow import __version__
+from debrisflow.errors import DebrisflowError
+
+_PATH = click.Path(path_type=Path)
+
+
+class Commands(click.Group):
+    """Commands whose errors are told in plain words, with an exit code a class."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; an error meant for the user becomes its message and exit code."""
+        try:
+            return super().invoke(ctx)
+        except DebrisflowError as error:
+            click.echo(error, err=True)
+            ctx.exit(error.exit_code)
+
+
+_case = click.argument("case", metavar="CASE", type=_PATH)
+_results = click.argument("folder", metavar="RUN", type=_PATH)
+_overrides = click.option(
+    "--set",
+    "overrides",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Change a value of the case, as in --set time.end=2; may be repeated.",
+)
+_threads = click.option(
+    "--threads", type=click.IntRange(min=1), help="Threads to use; all cores if left out."
+)
+
+
+@click.group(cls=Commands)
+@click.version_option(__version__, prog_name="debrisflow")
+def main() -> None:
+    """Particle simulation (MPS) of debris flows from TOML case files."""
+
+
+@main.command()
+@_case
+@_overrides
+def check(case: Path, overrides: tuple[str, ...]) -> None:
+    """Validate CASE and print what it will run."""
+    from debrisflow.case import load_case
+    from debrisflow.forecast import forecast
+
+    checked = load_case(case, overrides)
+    click.echo(f"{case}: {checked.title}")
+    click.echo(forecast(checked))
+
+
+@main.command()
+@_case
+@_overrides
+@_threads
+@click.option("-o", "--output", type=_PATH, help="Folder of the results; runs/NAME if left out.")
+@click.option("--overwrite", is_flag=True, help="Replace the results that the folder holds.")
+def run(
+    case: Path,
+    overrides: tuple[str, ...],
+    threads: int | None,
+    output: Path | None,
+    overwrite: bool,
+) -> None:
+    """Compute CASE and write its results into a folder."""
+    from debrisflow.case import load_case
+
+    checked = load_case(case, overrides)  # before the solver is imported, which takes a second
+
+    from debrisflow.simulation import simulate
+
+    folder = output or Path("runs") / case.stem
+    simulate(checked, folder, threads=threads, overwrite=overwrite)
+
+
+@main.command()
+@_results
+@_threads
+def resume(folder: Path, threads: int | None) -> None:
+    """Continue the run in the folder RUN from its last checkpoint."""
+    from debrisflow.simulation import resume
+
+    resume(folder, threads=threads)
+
+
+@main.command()
+@click.argument("file", type=_PATH)
+@click.option(
+    "--template", default="flume2d", show_default=True, help="Shipped case to start from."
+)
+def init(file: Path, template: str) -> None:
+    """Write a commented case FILE to start from."""
+    from debrisflow.case.templates import start_case
+
+    for path in start_case(file, template):
+        click.echo(f"wrote {path}")
+
+
+@main.command()
+@_results
+def postprocess(folder: Path) -> None:
+    """Derive front, profiles and deposit from the results in the folder RUN."""
+    from debrisflow.postprocess import postprocess
+
+    postprocess(folder)
+
+
+@main.command()
+def schema() -> None:
+    """Print the JSON schema of a case file, from which editors complete."""
+    from debrisflow.case import case_schema
+
+    click.echo(case_schema(), nl=False)
+
+
+@main.command()
+def info() -> None:
+    """Print versions, cores, threading layer and cache folder."""
+    from debrisflow.about import about
+
+    for name, value in about().items():
+        click.echo(f"{name:<16} {value}")

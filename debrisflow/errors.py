@@ -1,0 +1,31 @@
+"""What can go wrong, as a person is told it; one exit code a class."""
+
+from __future__ import annotations
+
+
+class DebrisflowError(Exception):
+    """Base of every error whose message is meant for the user, shown without a traceback."""
+
+    exit_code = 1
+
+
+class CaseError(DebrisflowError):
+    """The case file, or a change made to it on the command line, is wrong; nothing was written."""
+
+    exit_code = 2
+
+
+class OutputError(DebrisflowError):
+    """Results cannot be written, or a folder does not hold the results that it should."""
+
+    exit_code = 3
+
+
+class DivergedError(DebrisflowError):
+    """A run broke a promise: a stability limit, a NaN, a pressure that was not found."""
+
+    exit_code = 4
+
+
+class NotConvergedError(DivergedError):
+    """A linear system was not solved; the step may be tried again with a shorter time step."""

@@ -1,0 +1,243 @@
+"""Exchange of momentum between particles by viscosity, friction, drag and collisions of grains."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import prange
+
+from debrisflow._jit import kernel, loop
+from debrisflow.granular import collision_force_at
+from debrisflow.operators import neighbor, velocity_difference
+from debrisflow.rheology import (
+    drag_coefficient,
+    frictional_viscosity,
+    harmonic_mean,
+    turbulent_viscosity,
+    wall_friction,
+)
+
+
+@kernel
+def viscous_force_at(i, velocity, viscosity, walls, stencil):
+    """Return ``div(mu grad u)`` of particle i with the pair's harmonic mean viscosity, N/m3.
+
+    The lambda form of the Laplacian, exact for r^2 on the lattice.
+    """
+    r_e = stencil.effective_radius
+    factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(stencil.count[i]):
+        j, dx, dy, dz, r = neighbor(i, k, stencil)
+        if r < r_e:
+            du, dv, dw = velocity_difference(i, j, dx, dy, dz, velocity, walls, stencil.spacing)
+            is_wall = walls.depth[j] > 0.0
+            mu = viscosity[i] if is_wall else harmonic_mean(viscosity[i], viscosity[j])
+            f = factor * mu * (r_e / r - 1.0)
+            x += f * du
+            y += f * dv
+            z += f * dw
+    return x, y, z
+
+
+@loop
+def predict(
+    dt,
+    gravity,
+    velocity,
+    density,
+    viscosity,
+    fraction,
+    grain_pressure,
+    grain_viscosity,
+    is_viscous,
+    has_collisions,
+    walls,
+    stencil,
+    predicted,
+):
+    """Write ``u* = u + dt (g + viscous force / rho - div P_s / rho)`` of the fluid particles."""
+    fluid_count = predicted.shape[0]
+    for i in prange(fluid_count):
+        x, y, z = 0.0, 0.0, 0.0
+        if is_viscous:
+            x, y, z = viscous_force_at(i, velocity, viscosity, walls, stencil)
+        if has_collisions and fraction[i] > 0.0:
+            a, b, c = collision_force_at(
+                i, fluid_count, velocity, fraction, grain_pressure, grain_viscosity, stencil
+            )
+            x += a
+            y += b
+            z += c
+        predicted[i, 0] = velocity[i, 0] + dt * (gravity[0] + x / density[i])
+        predicted[i, 1] = velocity[i, 1] + dt * (gravity[1] + y / density[i])
+        predicted[i, 2] = velocity[i, 2] + dt * (gravity[2] + z / density[i])
+
+
+@kernel
+def exchange_row_at(
+    i,
+    dt,
+    fluid_count,
+    wet_count,
+    velocity,
+    density,
+    viscosity,
+    fraction,
+    c,
+    shear_rate,
+    grain_pressure,
+    strength,
+    drag,
+    walls,
+    stencil,
+    system,
+    right,
+):
+    """Write row i of the implicit exchange of momentum after the pressure projection.
+
+        rho_i u_i + dt sum of K_ij (u_i - u_j) = rho_i u**_i
+        K_ij = (2 Ds / (lambda n0)) w eta_ij  +  (w / n0) beta / (C (1 - C))
+
+    eta_ij is the harmonic mean of the viscosities (Newtonian and turbulent) plus the friction of
+    the grains at the pair's mean pressure, shear rate and lesser concentration; the drag acts
+    between water and sediment.  K is symmetric: what one particle loses the other gains.
+    Coefficients are taken at the velocities given, one pass.  Walls and inflow have their own
+    velocity; a wall's is mirrored as in :func:`velocity_difference`.  Before the projection the
+    same friction would leave the noise of the pressure in the bed and fluidize it.
+    """
+    r_e, n0 = stencil.effective_radius, stencil.number_density
+    factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * n0)
+    mu_i = viscosity[i] + turbulent_viscosity(density[i], shear_rate[i], strength)
+    diagonal = density[i]
+    x, y, z = (density[i] * velocity[i, 0], density[i] * velocity[i, 1], density[i] * velocity[i, 2])
+    entries = 0
+    for k in range(stencil.count[i]):
+        j, dx, dy, dz, r = neighbor(i, k, stencil)
+        if r >= r_e:
+            continue
+        w = r_e / r - 1.0
+        s = walls.depth[j]
+        if s > 0.0:
+            if walls.slip[j] > 0.0:
+                continue
+            h = max(
+                -(dx * walls.normal[j, 0] + dy * walls.normal[j, 1] + dz * walls.normal[j, 2]) - s,
+                0.5 * stencil.spacing,
+            )
+            p = 0.5 * (grain_pressure[i] + grain_pressure[j]) if j < wet_count else grain_pressure[i]
+            mu = viscosity[i] if walls.roughness[j] > 0.0 else mu_i
+            eta = mu + frictional_viscosity(p, c[i], shear_rate[i], strength)
+            coupling = dt * factor * w * eta * (1.0 + s / h)
+        elif j >= fluid_count:
+            coupling = dt * factor * w * mu_i
+        else:
+            mu_j = viscosity[j] + turbulent_viscosity(density[j], shear_rate[j], strength)
+            eta = harmonic_mean(mu_i, mu_j) + frictional_viscosity(
+                0.5 * (grain_pressure[i] + grain_pressure[j]),
+                min(c[i], c[j]),
+                0.5 * (shear_rate[i] + shear_rate[j]),
+                strength,
+            )
+            coupling = dt * factor * w * eta
+            if drag.strength > 0.0 and (fraction[i] == 0.0) != (fraction[j] == 0.0):
+                slip = np.sqrt(
+                    (velocity[j, 0] - velocity[i, 0]) ** 2
+                    + (velocity[j, 1] - velocity[i, 1]) ** 2
+                    + (velocity[j, 2] - velocity[i, 2]) ** 2
+                )
+                coupling += dt * w / n0 * drag_coefficient(0.5 * (c[i] + c[j]), slip, drag)
+        diagonal += coupling
+        if j < fluid_count:
+            system.index[i, entries] = j
+            system.value[i, entries] = coupling
+            entries += 1
+        else:
+            x += coupling * velocity[j, 0]
+            y += coupling * velocity[j, 1]
+            z += coupling * velocity[j, 2]
+    system.count[i] = entries
+    system.diagonal[i] = diagonal
+    right[i, 0] = x
+    right[i, 1] = y
+    right[i, 2] = z
+
+
+@loop
+def assemble_exchange(
+    dt,
+    wet_count,
+    velocity,
+    density,
+    viscosity,
+    fraction,
+    c,
+    shear_rate,
+    grain_pressure,
+    strength,
+    drag,
+    walls,
+    stencil,
+    system,
+    right,
+):
+    """Write the implicit exchange of momentum for every fluid particle."""
+    fluid_count = system.count.size
+    for i in prange(fluid_count):
+        exchange_row_at(
+            i,
+            dt,
+            fluid_count,
+            wet_count,
+            velocity,
+            density,
+            viscosity,
+            fraction,
+            c,
+            shear_rate,
+            grain_pressure,
+            strength,
+            drag,
+            walls,
+            stencil,
+            system,
+            right,
+        )
+
+
+@kernel
+def rub_at(i, dt, velocity, walls, stencil):
+    """Return the velocity of particle i slowed by the rough walls that it touches.
+
+    In the layer next to a wall the stress ``rho f |u| u`` of the law of the wall, spread over one
+    spacing, acts on the part of the velocity along the wall; implicit, so that it never reverses.
+    """
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    nearest, touched = stencil.spacing, -1
+    for k in range(stencil.count[i]):
+        j, dx, dy, dz, _ = neighbor(i, k, stencil)
+        s = walls.depth[j]
+        if s > 0.0 and s <= 0.5 * stencil.spacing * (1.0 + 1e-6) and walls.roughness[j] > 0.0:
+            h = -(dx * walls.normal[j, 0] + dy * walls.normal[j, 1] + dz * walls.normal[j, 2]) - s
+            along = dx * dx + dy * dy + dz * dz - (h + s) ** 2
+            if h < nearest and along < stencil.spacing**2:
+                nearest, touched = h, j
+    if touched >= 0:
+        j = touched
+        nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
+        du, dv, dw = u - velocity[j, 0], v - velocity[j, 1], w - velocity[j, 2]
+        normal = du * nx + dv * ny + dw * nz
+        du, dv, dw = du - normal * nx, dv - normal * ny, dw - normal * nz
+        speed = np.sqrt(du * du + dv * dv + dw * dw)
+        f = wall_friction(max(nearest, 0.5 * stencil.spacing), walls.roughness[j])
+        kept = 1.0 / (1.0 + dt * f * speed / stencil.spacing)
+        u -= (1.0 - kept) * du
+        v -= (1.0 - kept) * dv
+        w -= (1.0 - kept) * dw
+    return u, v, w
+
+
+@loop
+def rub(dt, velocity, walls, stencil, slowed):
+    """Write the velocities of the fluid particles after the friction of rough walls."""
+    for i in prange(slowed.shape[0]):
+        slowed[i, 0], slowed[i, 1], slowed[i, 2] = rub_at(i, dt, velocity, walls, stencil)

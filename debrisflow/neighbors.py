@@ -1,0 +1,221 @@
+"""Neighbor lists: who is within the influence radius, kept over several steps by a skin."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from debrisflow._jit import kernel, loop
+
+Floats = NDArray[np.float64]
+SKIN = 0.4
+
+
+@kernel
+def separation(position, i, j, period):
+    """Return ``r_j - r_i`` along x, y and z, through the nearest image where a period is not 0."""
+    dx = position[j, 0] - position[i, 0]
+    dy = position[j, 1] - position[i, 1]
+    dz = position[j, 2] - position[i, 2]
+    if period[0] > 0.0:
+        dx -= period[0] * np.rint(dx / period[0])
+    if period[1] > 0.0:
+        dy -= period[1] * np.rint(dy / period[1])
+    if period[2] > 0.0:
+        dz -= period[2] * np.rint(dz / period[2])
+    return dx, dy, dz
+
+
+class Grid:
+    """Cells as wide as the list radius or a little wider, over all particles.
+
+    Attributes
+    ----------
+    lower : (3,) float64 array, m
+    width : (3,) float64 array, m
+    shape : (3,) int64 array
+    periodic : (3,) bool array
+    """
+
+    def __init__(self, position: Floats, radius: float, period: Floats) -> None:
+        self.periodic = period > 0.0
+        lower, upper = position.min(axis=0), position.max(axis=0)
+        extent = np.where(self.periodic, period, upper - lower)
+        self.lower = np.where(self.periodic, 0.0, lower)
+        self.shape = np.maximum(1, np.floor(extent / radius).astype(np.int64))
+        self.width = np.where(self.periodic, extent / self.shape, np.maximum(extent / self.shape, radius))
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return int(self.shape.prod())
+
+
+@loop
+def _cell_of(position, lower, width, shape, periodic, cell):
+    for i in prange(position.shape[0]):
+        number = 0
+        for k in range(3):
+            c = np.int64(np.floor((position[i, k] - lower[k]) / width[k]))
+            if periodic[k]:
+                c %= shape[k]
+            number = number * shape[k] + min(max(c, 0), shape[k] - 1)
+        cell[i] = number
+
+
+@kernel
+def _sort_by_cell(cell, start, order):
+    """Counting sort: ``order[start[c]:start[c + 1]]`` are the particles of cell c, in order."""
+    start[:] = 0
+    for i in range(cell.size):
+        start[cell[i] + 1] += 1
+    for c in range(1, start.size):
+        start[c] += start[c - 1]
+    for i in range(cell.size):
+        order[start[cell[i]]] = i
+        start[cell[i]] += 1
+    for c in range(start.size - 1, 0, -1):
+        start[c] = start[c - 1]
+    start[0] = 0
+
+
+@kernel
+def list_at(i, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index):
+    """Write the particles within reach of particle i into row i and return how many there are.
+
+    No more are written than the row holds: a larger number says that the list overflowed.
+    """
+    capacity = index.shape[1]
+    count = 0
+    cz = cell[i] % shape[2]
+    cy = (cell[i] // shape[2]) % shape[1]
+    cx = cell[i] // (shape[2] * shape[1])
+    x, y, z = position[i, 0], position[i, 1], position[i, 2]
+    for a in range(cx - 1, cx + 2):
+        if (a < 0 or a >= shape[0]) and not periodic[0]:
+            continue
+        for b in range(cy - 1, cy + 2):
+            if (b < 0 or b >= shape[1]) and not periodic[1]:
+                continue
+            for c in range(cz - 1, cz + 2):
+                if (c < 0 or c >= shape[2]) and not periodic[2]:
+                    continue
+                number = ((a % shape[0]) * shape[1] + b % shape[1]) * shape[2] + c % shape[2]
+                for k in range(start[number], start[number + 1]):
+                    dx = sorted_position[k, 0] - x
+                    dy = sorted_position[k, 1] - y
+                    dz = sorted_position[k, 2] - z
+                    if periodic[0]:
+                        dx -= period[0] * np.rint(dx / period[0])
+                    if periodic[1]:
+                        dy -= period[1] * np.rint(dy / period[1])
+                    if periodic[2]:
+                        dz -= period[2] * np.rint(dz / period[2])
+                    if dx * dx + dy * dy + dz * dz < reach2 and order[k] != i:
+                        if count < capacity:
+                            index[i, count] = order[k]
+                        count += 1
+    return count
+
+
+@loop
+def _list(position, sorted_position, order, start, cell, shape, periodic, period, reach2, index, count):
+    for i in prange(count.size):
+        count[i] = list_at(
+            i, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index
+        )
+
+
+@loop
+def _largest_displacement(position, reference, partial):
+    """Write the greatest squared displacement of each block of particles."""
+    n = position.shape[0]
+    for block in prange(partial.size):
+        largest = 0.0
+        for i in range(block * n // partial.size, (block + 1) * n // partial.size):
+            dx = position[i, 0] - reference[i, 0]
+            dy = position[i, 1] - reference[i, 1]
+            dz = position[i, 2] - reference[i, 2]
+            largest = max(largest, dx * dx + dy * dy + dz * dz)
+        partial[block] = largest
+
+
+class Neighbors:
+    """Neighbors of the first ``rows`` particles, within the influence radius and a skin.
+
+    Row i holds ``index[i, :count[i]]``.  The list is exact for the influence radius as long as no
+    particle has moved by half the skin since it was built.
+
+    Parameters
+    ----------
+    effective_radius, spacing : float
+        Influence radius and particle spacing, m.
+    period : (3,) float64 array, m
+        Period along each axis, 0 where there is none.
+    skin : float
+        Skin in spacings.
+
+    Examples
+    --------
+    >>> line = np.array([[0.0, 0, 0], [1.0, 0, 0], [3.0, 0, 0]])
+    >>> near = Neighbors(1.5, 1.0, np.zeros(3))
+    >>> near.build(line, rows=3)
+    >>> near.count.tolist(), near.index[0, 0]
+    ([1, 1, 0], np.int32(1))
+    """
+
+    def __init__(
+        self, effective_radius: float, spacing: float, period: Floats, skin: float = SKIN
+    ) -> None:
+        self.radius = effective_radius + skin * spacing
+        self.skin = skin * spacing
+        self.period = period
+        self.index = np.zeros((0, 8), dtype=np.int32)
+        self.count = np.zeros(0, dtype=np.int32)
+        self._reference = np.zeros((0, 3))
+
+    def build(self, position: Floats, rows: int) -> None:
+        """Build the list of the first ``rows`` particles."""
+        grid = Grid(position, self.radius, self.period)
+        n = position.shape[0]
+        cell, order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        start = np.empty(grid.cell_count + 1, dtype=np.int64)
+        _cell_of(position, grid.lower, grid.width, grid.shape, grid.periodic, cell)
+        _sort_by_cell(cell, start, order)
+        if self.count.size != rows:
+            self.index = np.zeros((rows, self.index.shape[1]), dtype=np.int32)
+            self.count = np.zeros(rows, dtype=np.int32)
+        while True:
+            _list(
+                position,
+                position[order],
+                order,
+                start,
+                cell,
+                grid.shape,
+                grid.periodic,
+                self.period,
+                self.radius**2,
+                self.index,
+                self.count,
+            )
+            most = int(self.count.max(initial=0))
+            if most <= self.index.shape[1]:
+                break
+            self.index = np.zeros((rows, most + most // 8 + 1), dtype=np.int32)
+        self._reference = position.copy()
+
+    def is_stale(self, position: Floats, rows: int) -> bool:
+        """Say whether a pair may be missing: particles came, went or moved too far."""
+        if position.shape != self._reference.shape or rows != self.count.size:
+            return True
+        partial = np.empty(16)
+        _largest_displacement(position, self._reference, partial)
+        return bool(partial.max() > (0.5 * self.skin) ** 2)
+
+
+def order_by_cell(position: Floats, width: float) -> NDArray[np.int64]:
+    """Return the order that puts neighbors in space near each other in memory."""
+    cell = np.floor((position - position.min(axis=0)) / width).astype(np.int64)
+    return np.lexsort((cell[:, 2], cell[:, 1], cell[:, 0]))

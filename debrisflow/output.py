@@ -1,0 +1,222 @@
+"""The folder of a run, and when something is written into it."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from debrisflow.atomic import UNFINISHED, replaced
+from debrisflow.case import dump_case, tables
+from debrisflow.deposit import DepositWriter
+from debrisflow.errors import OutputError
+from debrisflow.history import HistoryWriter
+from debrisflow.measures import DepositProfile
+from debrisflow.state import State
+from debrisflow.vtu import FOLDER, Collection
+
+CASE = "case.toml"
+FRAMES = "particles.pvd"
+DEPOSIT = "deposit.csv"
+HISTORY = "history.csv"
+SUMMARY = "summary.json"
+LOG = "run.log"
+CHECKPOINT = "checkpoint.h5"
+POSTPROCESS = "postprocess"
+RESULTS = (CASE, FRAMES, DEPOSIT, HISTORY, SUMMARY, LOG, CHECKPOINT)
+DERIVED = ("front.csv", "profiles.csv", "deposit_profile.csv")
+
+
+class Schedule:
+    """Times at which something is due: the start, the whole multiples of an interval, the end.
+
+    The times are multiples, not sums, and so do not drift; a multiple that rounding puts beside
+    the start or the end is that.
+
+    Parameters
+    ----------
+    interval, start, end : float
+        In s.
+
+    Examples
+    --------
+    >>> schedule = Schedule(0.1, -0.15, 0.3)
+    >>> schedule.next_after(-0.15), schedule.next_after(0.1), schedule.next_after(0.2)
+    (-0.1, 0.2, 0.3)
+    >>> schedule.is_due(-0.15), schedule.is_due(0.25), schedule.next_after(0.3)
+    (True, False, inf)
+    """
+
+    def __init__(self, interval: float, start: float, end: float) -> None:
+        self.interval, self.start, self.end = interval, start, end
+        self._rounding = 1e-9 * interval
+
+    def next_after(self, time: float) -> float:
+        """Return the first due time later than a time, s; infinity from the end on."""
+        if time < self.start - self._rounding:
+            return self.start
+        if time >= self.end - self._rounding:
+            return math.inf
+        multiple = (math.floor((time + self._rounding) / self.interval) + 1) * self.interval
+        return multiple if multiple < self.end - self._rounding else self.end
+
+    def is_due(self, time: float) -> bool:
+        """Return whether a time, s, is a due time."""
+        return abs(self.next_after(time - 2.0 * self._rounding) - time) <= self._rounding
+
+
+class RunFolder:
+    """The folder that holds the case, the results and the checkpoint of one run.
+
+    While it is open, what the package logs goes into its ``run.log``.
+
+    Parameters
+    ----------
+    path : Path
+        An existing folder; see :meth:`create` and :meth:`open`.
+
+    Attributes
+    ----------
+    path, checkpoint_path : Path
+    log : logging.Logger
+        Logger of the package.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.checkpoint_path = path / CHECKPOINT
+        self._frames = Collection(path / FRAMES)
+        self._deposit = DepositWriter(path / DEPOSIT)
+        self._history = HistoryWriter(path / HISTORY)
+        self.log = logging.getLogger("debrisflow")
+        self.log.setLevel(logging.INFO)
+        self._handler = logging.FileHandler(path / LOG, encoding="utf-8")
+        self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+        self.log.addHandler(self._handler)
+
+    @classmethod
+    def create(cls, path: Path, case: tables.Case, overwrite: bool = False) -> Self:
+        """Return a fresh folder for a case, written into it with every default.
+
+        Parameters
+        ----------
+        path : Path
+            Made if it is not there; may hold other files, which are left alone.
+        case : Case
+        overwrite : bool
+            Remove the results that the folder holds; otherwise it is refused.
+
+        Raises
+        ------
+        OutputError
+            If the folder holds results, or cannot be written.
+        """
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            _clear(path, overwrite)
+            with replaced(path / CASE) as unfinished:
+                unfinished.write_text(dump_case(case), encoding="utf-8")
+            return cls(path)
+        except OSError as error:
+            raise OutputError(f"cannot write into {path}: {error.strerror}") from error
+
+    @classmethod
+    def open(cls, path: Path) -> Self:
+        """Return the folder of an earlier run, to be continued.
+
+        Raises
+        ------
+        OutputError
+            If it holds no case or cannot be written.
+        """
+        if not (path / CASE).is_file():
+            raise OutputError(f"{path} is no run folder: it holds no {CASE}")
+        try:
+            return cls(path)
+        except OSError as error:
+            raise OutputError(f"cannot write into {path}: {error.strerror}") from error
+
+    def write_frame(self, state: State) -> None:
+        """Write the particles as the next frame."""
+        self._frames.append(state.time, state.particles)
+
+    def write_deposit(self, time: float, profile: DepositProfile) -> None:
+        """Append a deposit profile at a time, s."""
+        self._deposit.write(time, profile)
+
+    def write_history(self, row: Mapping[str, float | int]) -> None:
+        """Append a row of :func:`debrisflow.history.history_row`."""
+        self._history.write(row)
+
+    def write_summary(self, summary: Mapping[str, Any]) -> None:
+        """Write what a finished run says of itself."""
+        with replaced(self.path / SUMMARY) as unfinished:
+            unfinished.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+
+    def rewind(self, time: float) -> None:
+        """Drop what was written later than a time, s, and the summary of an earlier end."""
+        self._frames.drop_after(time)
+        self._deposit.truncate_after(time)
+        self._history.truncate_after(time)
+        (self.path / SUMMARY).unlink(missing_ok=True)
+
+    def detach_log(self) -> None:
+        """Let the package log no longer into this folder."""
+        self.log.removeHandler(self._handler)
+        self._handler.close()
+
+    def close(self) -> None:
+        """Close all files."""
+        self._deposit.close()
+        self._history.close()
+        self.detach_log()
+
+    def __enter__(self) -> Self:
+        """Return the folder itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close all files."""
+        self.close()
+
+
+def _results(path: Path) -> Iterator[Path]:
+    """Yield the files of ours that a folder holds, those of a broken-off write among them."""
+    tables_and_logs = [path / name for name in RESULTS]
+    derived = [path / POSTPROCESS / name for name in DERIVED]
+    for file in (*tables_and_logs, *derived):
+        for written in (file, file.with_name(file.name + UNFINISHED)):
+            if written.is_file():
+                yield written
+    frame = re.compile(r"\d{6,}\.vtu(" + re.escape(UNFINISHED) + ")?")
+    yield from (file for file in path.glob(f"{FOLDER}/*") if frame.fullmatch(file.name))
+
+
+def _clear(path: Path, overwrite: bool) -> None:
+    results = list(_results(path))
+    if [file.name for file in results] == [CASE]:
+        # no run leaves a case alone: it is somebody's own, with comments that ours would not have
+        raise OutputError(
+            f"{path} holds a {CASE} that no run wrote, and results would replace it; "
+            "choose another folder"
+        )
+    if results and not overwrite:
+        raise OutputError(
+            f"{path} holds results ({results[0].name}); "
+            "choose another folder, or replace them with --overwrite"
+        )
+    for file in results:
+        file.unlink()
+    for folder in (path / FOLDER, path / POSTPROCESS):
+        if folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()

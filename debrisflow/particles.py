@@ -1,0 +1,231 @@
+"""The particles of a run: one record of arrays, in groups that the kernels use as slices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow import geometry
+from debrisflow.case import tables
+
+Floats = NDArray[np.float64]
+
+
+class Kind(IntEnum):
+    """What a particle stands for; the number is the one in the particle files."""
+
+    LIQUID = 0
+    SEDIMENT = 1
+    MIXTURE = 2
+    WALL = 3
+    DUMMY = 4
+    INFLOW = 5
+
+
+@dataclass
+class Particles:
+    """State of all particles.
+
+    They stand in groups: fluid (liquid, sediment, mixture), inflow, wall, dummy wall.  Fluid,
+    inflow and wall particles are the unknowns of the pressure equation.
+
+    Attributes
+    ----------
+    position, velocity : (n, 3) float64 array, m, m/s
+    pressure : (n,) float64 array, Pa
+    density : (n,) float64 array, kg/m3
+        Material density of the particle.
+    kind : (n,) int8 array
+        See :class:`Kind`.
+    id : (n,) int64 array
+        Number that a particle keeps for the whole run.
+    number_density : (n,) float64 array
+        n, dimensionless.
+    sediment_fraction : (n,) float64 array
+        Volume of sediment in the particle: 0 liquid, 1 sediment, between for a mixture.
+    concentration : (n,) float64 array
+        Local volumetric sediment concentration C.
+    granular_temperature : (n,) float64 array, m2/s2
+    grain_pressure : (n,) float64 array, Pa
+        Effective pressure between the grains of the bed.
+    on_free_surface : (n,) bool array
+    wall : (n,) int8 array
+        Index into ``geometry.WALL_NAMES``; -1 for what is not a wall.
+    wall_normal : (n, 3) float64 array
+        Unit normal out of the wall; 0 for what is not a wall.
+    wall_depth : (n,) float64 array, m
+        Distance of a wall particle to the wall's surface.
+    fluid_count, inflow_count, wall_count : int
+        Sizes of the groups; the rest is dummies.
+    """
+
+    position: Floats
+    velocity: Floats
+    pressure: Floats
+    density: Floats
+    kind: NDArray[np.int8]
+    id: NDArray[np.int64]
+    number_density: Floats
+    sediment_fraction: Floats
+    concentration: Floats
+    granular_temperature: Floats
+    grain_pressure: Floats
+    on_free_surface: NDArray[np.bool_]
+    wall: NDArray[np.int8]
+    wall_normal: Floats
+    wall_depth: Floats
+    fluid_count: int
+    inflow_count: int
+    wall_count: int
+
+    @property
+    def count(self) -> int:
+        """Number of all particles."""
+        return self.position.shape[0]
+
+    @property
+    def unknown_count(self) -> int:
+        """Number of particles that carry a pressure: fluid, inflow and wall."""
+        return self.fluid_count + self.inflow_count + self.wall_count
+
+    @property
+    def fluid(self) -> slice:
+        """The rows of the fluid particles."""
+        return slice(0, self.fluid_count)
+
+    @property
+    def inflow(self) -> slice:
+        """The rows of the inflow particles."""
+        return slice(self.fluid_count, self.fluid_count + self.inflow_count)
+
+    def arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return the arrays of the record by name."""
+        named = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in named.items() if isinstance(value, np.ndarray)}
+
+    def take(self, rows: NDArray[np.int64]) -> None:
+        """Keep the given rows in the given order; the caller keeps the group sizes right."""
+        for name, value in self.arrays().items():
+            setattr(self, name, np.ascontiguousarray(value[rows]))
+
+    def insert(self, row: int, other: Particles) -> None:
+        """Insert all rows of another record before a row; the caller keeps the group sizes."""
+        for name, value in self.arrays().items():
+            pieces = [value[:row], getattr(other, name), value[row:]]
+            setattr(self, name, np.concatenate(pieces))
+
+
+def blank(count: int) -> Particles:
+    """Return a record of particles at rest at the origin."""
+    scalar = {
+        name: np.zeros(count)
+        for name in (
+            "pressure",
+            "density",
+            "number_density",
+            "sediment_fraction",
+            "concentration",
+            "granular_temperature",
+            "grain_pressure",
+            "wall_depth",
+        )
+    }
+    vector = {name: np.zeros((count, 3)) for name in ("position", "velocity", "wall_normal")}
+    return Particles(
+        **scalar,
+        **vector,
+        kind=np.zeros(count, dtype=np.int8),
+        id=np.arange(count),
+        on_free_surface=np.zeros(count, dtype=bool),
+        wall=np.full(count, -1, dtype=np.int8),
+        fluid_count=0,
+        inflow_count=0,
+        wall_count=0,
+    )
+
+
+def set_material(
+    particles: Particles, rows: slice | NDArray[np.int64], kind: Kind, case: tables.Case
+) -> None:
+    """Give rows the density and the sediment fraction of liquid, sediment or mixture."""
+    fraction = {
+        Kind.LIQUID: 0.0,
+        Kind.SEDIMENT: 1.0,
+        Kind.MIXTURE: case.mixture.concentration,
+    }[kind]
+    particles.kind[rows] = kind
+    particles.sediment_fraction[rows] = fraction
+    particles.density[rows] = case.water.density + fraction * (
+        case.sediment.density - case.water.density
+    )
+
+
+def seed(case: tables.Case) -> Particles:
+    """Return the particles of a case at its start.
+
+    Parameters
+    ----------
+    case : Case
+        A checked case with its defaults resolved.
+    """
+    rng = np.random.default_rng(case.particles.seed)
+    groups = [_filled(block, case, rng) for block in case.fill]
+    fluid_count = sum(g.count for g in groups)
+    inflow_count = 0
+    if case.inflow is not None:
+        supply = _placed(geometry.inflow_columns(case))
+        set_material(supply, slice(None), Kind.LIQUID, case)
+        supply.kind[:] = Kind.INFLOW
+        groups.append(supply)
+        inflow_count = supply.count
+    solid = _walls(case)
+    wall_count = int(np.count_nonzero(solid.kind == Kind.WALL))
+    particles = solid
+    for group in reversed(groups):
+        particles.insert(0, group)
+    particles.id = np.arange(particles.count)
+    particles.fluid_count = fluid_count
+    particles.inflow_count = inflow_count
+    particles.wall_count = wall_count
+    return particles
+
+
+def _placed(position: Floats) -> Particles:
+    particles = blank(position.shape[0])
+    particles.position[:] = position
+    return particles
+
+
+def _filled(
+    block: tables.Block | tables.Bed, case: tables.Case, rng: np.random.Generator
+) -> Particles:
+    particles = _placed(geometry.fill(block, case))
+    if block.material == "mix":
+        order = rng.permutation(particles.count)
+        split = round(particles.count * block.sediment_share)
+        set_material(particles, order[:split], Kind.SEDIMENT, case)
+        set_material(particles, order[split:], Kind.LIQUID, case)
+    else:
+        kind = {"water": Kind.LIQUID, "sediment": Kind.SEDIMENT, "mixture": Kind.MIXTURE}
+        set_material(particles, slice(None), kind[block.material], case)
+    if isinstance(block, tables.Block):
+        particles.velocity[:, :2] = block.velocity
+    return particles
+
+
+def _walls(case: tables.Case) -> Particles:
+    points = geometry.walls(case)
+    order = np.argsort(points.layer > 1, kind="stable")
+    particles = _placed(points.position)
+    particles.kind[:] = np.where(points.layer == 1, Kind.WALL, Kind.DUMMY)
+    particles.density[:] = case.water.density
+    particles.wall[:] = points.name
+    particles.wall_normal[:] = points.normal
+    particles.wall_depth[:] = points.depth
+    for index, name in enumerate(geometry.WALL_NAMES):
+        particles.velocity[points.name == index, :2] = getattr(case.walls, name).velocity
+    particles.take(order)
+    return particles

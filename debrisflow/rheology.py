@@ -1,0 +1,127 @@
+"""Apparent viscosity: Newtonian fluid, turbulence, friction of packed grains, drag, rough walls."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from debrisflow._jit import kernel
+
+KARMAN = 0.41
+
+
+class Strength(NamedTuple):
+    """Coulomb friction of packed grains and turbulence of the flow.
+
+    Attributes
+    ----------
+    friction : float
+        Tangent of the friction angle; 0 switches the friction off.
+    mixing_length : float, m
+    ramp_start, ramp_end : float
+        Concentrations between which the friction grows from nothing to full.
+    smallest_shear_rate : float, 1/s
+    largest_viscosity : float, Pa s
+    """
+
+    friction: float
+    mixing_length: float
+    ramp_start: float
+    ramp_end: float
+    smallest_shear_rate: float
+    largest_viscosity: float
+
+
+class DragLaw(NamedTuple):
+    """Gidaspow drag between water and sediment particles.
+
+    Attributes
+    ----------
+    strength : float
+        1, or 0 for no drag.
+    diameter : float, m
+        Grain diameter d_m.
+    density, viscosity : float, kg/m3, Pa s
+        Of water.
+    packing_limit : float
+        Concentrations are taken no greater.
+    """
+
+    strength: float
+    diameter: float
+    density: float
+    viscosity: float
+    packing_limit: float
+
+
+@kernel
+def turbulent_viscosity(density, shear_rate, strength):
+    """Return Prandtl's ``rho l^2 shear_rate``, Pa s; the mixing length l is a length of the case."""
+    return density * strength.mixing_length**2 * shear_rate
+
+
+@kernel
+def harmonic_mean(a, b):
+    """Return ``2 a b / (a + b)``, the viscosity of a plane between two layers.
+
+    Examples
+    --------
+    >>> harmonic_mean(1.0, 3.0), harmonic_mean(0.0, 0.0)
+    (1.5, 0.0)
+    """
+    total = a + b
+    return 2.0 * a * b / total if total > 0.0 else 0.0
+
+
+@kernel
+def frictional_viscosity(pressure, concentration, shear_rate, strength):
+    """Return the viscosity of grains that yield at ``p tan(phi)``, Pa s.
+
+    ``R min(tan(phi) p / max(shear_rate, smallest), largest)`` with R the ramp of the
+    concentration: sharp yield, very viscous below it.  Pass the pair's mean pressure, which makes
+    the strength of the plane between two rows exact.
+    """
+    ramp = (concentration - strength.ramp_start) / (strength.ramp_end - strength.ramp_start)
+    ramp = min(max(ramp, 0.0), 1.0)
+    yielding = strength.friction * pressure / max(shear_rate, strength.smallest_shear_rate)
+    return ramp * min(yielding, strength.largest_viscosity)
+
+
+@kernel
+def drag_coefficient(c, speed, drag):
+    """Return ``beta / (C (1 - C))`` of Gidaspow's drag, kg/(m3 s).
+
+    beta is the force on either phase per unit volume of mixture and slip velocity; divided by the
+    shares of both phases it is the coefficient between a volume of sediment and one of water.
+    Ergun above C = 0.2, Wen & Yu below with the drag coefficient of Schiller & Naumann.
+
+    References
+    ----------
+    Gidaspow 1994, Multiphase Flow and Fluidization, Academic Press.
+    """
+    c = min(c, drag.packing_limit)
+    d, rho, mu = drag.diameter, drag.density, drag.viscosity
+    if c > 0.2:
+        return 150.0 * c * mu / ((1.0 - c) ** 2 * d * d) + 1.75 * rho * speed / ((1.0 - c) * d)
+    reynolds = (1.0 - c) * rho * speed * d / mu
+    if reynolds < 1000.0:
+        inertia = 24.0 * mu / ((1.0 - c) * d) * (1.0 + 0.15 * reynolds**0.687)
+    else:
+        inertia = 0.44 * rho * speed
+    return 0.75 * inertia * (1.0 - c) ** -2.65 / d
+
+
+@kernel
+def wall_friction(height, roughness):
+    """Return ``[kappa / ln(30 y / k_s)]^2``, wall stress over ``rho u^2`` at a height y.
+
+    The law of the wall over a floor of equivalent sand roughness k_s; below y = k_s it keeps the
+    value of y = k_s.
+
+    Examples
+    --------
+    >>> round(wall_friction(0.01, 0.001), 5)
+    0.00517
+    """
+    return (KARMAN / np.log(30.0 * max(height, roughness) / roughness)) ** 2

@@ -1,0 +1,376 @@
+"""The semi-implicit scheme: predictor, pressure equation, corrector, exchange of momentum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow import boundary, geometry, granular, momentum, operators, pressure
+from debrisflow.case import tables
+from debrisflow.errors import NotConvergedError
+from debrisflow.lattice import reference
+from debrisflow.linear import Solver
+from debrisflow.neighbors import Neighbors, order_by_cell
+from debrisflow.particles import Kind, Particles
+from debrisflow.rheology import DragLaw, Strength
+from debrisflow.state import State
+from debrisflow.system import System, empty_system
+
+Floats = NDArray[np.float64]
+DIMENSION = 2
+
+
+class SemiImplicit:
+    """Fractional step with variable density, everything evaluated at the old positions.
+
+    Predict the velocity from gravity, viscosity and collision stress; let particles that come too
+    close collide; solve the pressure equation and correct by its gradient; exchange momentum
+    implicitly by viscosity, friction and drag; move.
+
+    Parameters
+    ----------
+    case : Case
+        A checked case with its defaults resolved.
+
+    Attributes
+    ----------
+    seconds : dict
+        Wall time by phase of the step.
+    """
+
+    REFRESH = 20
+    """Steps after which particles are sorted and the multigrid hierarchy is built anew; a resumed
+    run begins at such a step and so repeats the bits of an uninterrupted one."""
+
+    def __init__(self, case: tables.Case) -> None:
+        self.case = case
+        self.lattice = reference(DIMENSION, case.particles.effective_radius, case.particles.spacing)
+        self.domain = geometry.domain(case)
+        self.gravity = np.array([*case.gravity.components, 0.0])
+        self.seconds: dict[str, float] = {}
+        self._near = Neighbors(
+            self.lattice.effective_radius, self.lattice.spacing, self.domain.period
+        )
+        self._set_operators(case.scheme)
+        self._set_materials(case)
+        self._observed_step = -1
+
+    def _set_operators(self, scheme: tables.Scheme) -> None:
+        symmetric = scheme.interface == "symmetric"
+        self._conserves = scheme.gradient == "sum"
+        self._interface = (
+            pressure.Interface(0.0, 0.0, 5.0 - DIMENSION)
+            if symmetric
+            else pressure.Interface(6.0 - DIMENSION, -1.0, 0.0)
+        )
+        self._surface = (
+            pressure.FreeSurface(0.8, 0.97, 0.1)
+            if scheme.free_surface == "asymmetry"
+            else pressure.FreeSurface(0.97, 0.97, np.inf)
+        )
+        self._pressure_solver = Solver(scheme.tolerance, symmetric)
+        self._grain_solver = Solver(1.0e-3)
+        self._exchange_solvers = [Solver(1.0e-4) for _ in range(DIMENSION)]
+
+    def _set_materials(self, case: tables.Case) -> None:
+        sediment, strength = case.sediment, case.strength
+        is_coulomb = strength.law == "coulomb"
+        self._strength = Strength(
+            float(np.tan(np.radians(strength.friction_angle))) if is_coulomb else 0.0,
+            strength.mixing_length if is_coulomb else 0.0,
+            *strength.concentration_ramp,
+            strength.smallest_shear_rate,
+            strength.largest_viscosity,
+        )
+        self._drag = DragLaw(
+            float(case.drag.law == "gidaspow"),
+            sediment.grain_diameter,
+            case.water.density,
+            case.water.viscosity,
+            sediment.packing_limit,
+        )
+        self._grains = granular.Grains(
+            sediment.density,
+            sediment.grain_diameter,
+            sediment.restitution,
+            sediment.packing_limit,
+            case.collision_stress.largest_concentration,
+            case.collision_stress.granular_temperature == "algebraic",
+        )
+        self._has_strength = is_coulomb
+        self._has_collisions = case.collision_stress.enabled
+        self._is_implicit = is_coulomb or case.drag.law != "none"
+        self._is_rough = any(
+            getattr(case.walls, name).roughness > 0.0 for name in geometry.WALL_NAMES
+        )
+        self._viscosity = np.zeros(len(Kind))
+        self._viscosity[Kind.LIQUID] = case.water.viscosity
+        self._viscosity[Kind.SEDIMENT] = sediment.viscosity
+        self._viscosity[Kind.MIXTURE] = case.mixture.viscosity
+        self._viscosity[Kind.INFLOW] = case.water.viscosity
+
+    def observe(self, state: State) -> None:
+        """Bring neighbors, concentration, shear rate and granular state up to the positions."""
+        p = state.particles
+        with self._clock("neighbors"):
+            self._observe_neighbors(state)
+        with self._clock("grains"):
+            self._observe_grains(p)
+        self._observed_step = state.step
+
+    def fill_number_density(self, state: State) -> None:
+        """Write number density and free surface of a state that no step has seen yet."""
+        self.observe(state)
+        p, m = state.particles, state.particles.unknown_count
+        operators.number_density(self._stencil, p.number_density[:m], np.empty(m))
+        p.on_free_surface[:m] = p.number_density[:m] < self._surface.lower * self.lattice[4]
+
+    def stable_dt(self, state: State) -> float:
+        """Return the greatest time step, s, that the state allows."""
+        if self._observed_step != state.step:
+            self.observe(state)
+        p, case = state.particles, self.case
+        assert case.time.largest_step is not None
+        speed = max(
+            float(np.sqrt(np.max(np.sum(p.velocity[p.fluid] ** 2, axis=1), initial=0.0))),
+            boundary.supply(case, state.time)[0],
+        )
+        limits = [case.time.largest_step]
+        if speed > 0.0:
+            limits.append(case.scheme.courant * self.lattice.spacing / speed)
+        if self._has_collisions:
+            limits.append(
+                granular.largest_collision_step(
+                    p.concentration[p.fluid],
+                    self._collision_pressure,
+                    self._collision_viscosity,
+                    self._grains,
+                    self.lattice.spacing,
+                )
+            )
+        return min(limits)
+
+    def step(self, state: State, dt: float) -> int:
+        """Advance a state by a time step that :meth:`stable_dt` allows.
+
+        Returns
+        -------
+        int
+            Iterations of the pressure equation.
+
+        Raises
+        ------
+        NotConvergedError
+            If a linear system was not solved; the state is then as before.
+        """
+        p = state.particles
+        solved = p.pressure.copy()
+
+        with self._clock("predictor"):
+            velocity = self._predict(p, dt)
+            velocity = self._collide(p, velocity)
+
+        iterations = self._solve_pressure(p, velocity, dt, solved)
+
+        with self._clock("corrector"):
+            self._correct(p, velocity, dt, solved)
+        if self._has_strength:
+            self._balance_grains(p)
+        if self._is_implicit:
+            velocity = self._exchange_momentum(p, velocity, dt)
+        if self._is_rough:
+            velocity = self._rub(p, velocity, dt)
+
+        with self._clock("motion"):
+            p.pressure[:] = solved
+            p.velocity[p.fluid] = velocity[p.fluid]
+            p.position[p.fluid] += dt * velocity[p.fluid]
+            boundary.advance_supply(state, self.case, dt)
+            boundary.remove_leaving(state, self.case, self.domain)
+        return iterations
+
+    def _observe_neighbors(self, state: State) -> None:
+        p = state.particles
+        if state.step % self.REFRESH == 0:
+            order = np.arange(p.count)
+            order[p.fluid] = order_by_cell(p.position[p.fluid], self.lattice.spacing)
+            p.take(order)
+            self._pressure_solver.forget()
+            self._near.build(p.position, p.unknown_count)
+        elif self._near.is_stale(p.position, p.unknown_count):
+            self._near.build(p.position, p.unknown_count)
+        shape = self._near.index.shape
+        if getattr(self, "_room", None) is None or self._room.index.shape != shape:
+            self._room = empty_system(*shape)
+        self._walls = boundary.wall_surface(p, self.case)
+        self._stencil = operators.Stencil(
+            p.position,
+            self._near.index,
+            self._near.count,
+            self.domain.period,
+            float(DIMENSION),
+            self.lattice.spacing,
+            self.lattice.effective_radius,
+            self.lattice.number_density,
+            self.lattice.laplacian_lambda,
+        )
+
+    def _observe_grains(self, p: Particles) -> None:
+        n = p.fluid_count
+        if np.any(p.sediment_fraction[p.fluid] > 0.0):
+            raw = np.zeros(n)
+            granular.concentration(n, p.sediment_fraction, self._stencil, raw)
+            granular.concentration(n, raw, self._stencil, p.concentration)
+        self._shear_rate = np.zeros(n)
+        if self._is_implicit:
+            operators.shear_rate(p.velocity, self._walls, self._stencil, self._shear_rate)
+        if self._has_collisions:
+            self._collision_pressure, self._collision_viscosity = np.zeros(n), np.zeros(n)
+            granular.collision_state(
+                n,
+                p.velocity,
+                p.sediment_fraction,
+                p.concentration,
+                self._walls,
+                self._grains,
+                self._stencil,
+                p.granular_temperature,
+                self._collision_pressure,
+                self._collision_viscosity,
+            )
+
+    def _predict(self, p: Particles, dt: float) -> Floats:
+        none = np.zeros(0)
+        velocity = p.velocity.copy()
+        momentum.predict(
+            dt,
+            self.gravity,
+            p.velocity,
+            p.density,
+            self._viscosity[p.kind],
+            p.sediment_fraction,
+            self._collision_pressure if self._has_collisions else none,
+            self._collision_viscosity if self._has_collisions else none,
+            not self._is_implicit and self._viscosity.any(),
+            self._has_collisions,
+            self._walls,
+            self._stencil,
+            velocity[p.fluid],
+        )
+        return velocity
+
+    def _collide(self, p: Particles, velocity: Floats) -> Floats:
+        collided = velocity.copy()
+        boundary.collide(
+            p.fluid_count,
+            velocity,
+            p.density,
+            self._walls,
+            self.case.scheme.collision_distance * self.lattice.spacing,
+            self.case.scheme.collision_restitution,
+            self._stencil,
+            collided,
+        )
+        return collided
+
+    def _solve_pressure(self, p: Particles, velocity: Floats, dt: float, solved: Floats) -> int:
+        m = p.unknown_count
+        assert self.case.scheme.density_correction is not None
+        with self._clock("pressure assembly"):
+            pressure.assemble(
+                p.fluid_count,
+                velocity,
+                p.density,
+                self._stencil,
+                self._surface,
+                self._interface,
+                pressure.Source(
+                    dt, self.case.scheme.density_correction, 6.0 if self._conserves else 0.0
+                ),
+                self._room,
+                p.number_density[:m],
+                p.on_free_surface[:m],
+            )
+        with self._clock("pressure solution"):
+            iterations = self._pressure_solver.solve(self._room, solved[:m])
+        if iterations < 0:
+            raise NotConvergedError("the pressure equation")
+        np.maximum(solved, 0.0, out=solved)
+        return iterations
+
+    def _correct(self, p: Particles, velocity: Floats, dt: float, solved: Floats) -> None:
+        m = p.unknown_count
+        if self._conserves:
+            pressure.correct_by_sum(dt, solved, p.density, m, self._stencil, velocity[p.fluid])
+        else:
+            least = np.empty(m)
+            pressure.least_pressure(solved, self._stencil, least)
+            pressure.correct_by_cmps(
+                dt, solved[:m] - least, p.density, self._stencil, velocity[p.fluid]
+            )
+
+    def _balance_grains(self, p: Particles) -> None:
+        """Solve the static pressure between the grains of the bed."""
+        m = p.unknown_count
+        submerged = self.case.sediment.density - self.case.water.density
+        with self._clock("grain pressure"):
+            granular.assemble_grain_pressure(
+                p.fluid_count,
+                p.concentration,
+                p.on_free_surface,
+                submerged,
+                self.gravity,
+                self._stencil,
+                self._room,
+            )
+            if self._grain_solver.solve(self._room, p.grain_pressure[:m]) < 0:
+                raise NotConvergedError("the balance of the grains")
+            np.maximum(p.grain_pressure, 0.0, out=p.grain_pressure)
+
+    def _exchange_momentum(self, p: Particles, velocity: Floats, dt: float) -> Floats:
+        n = p.fluid_count
+        right = np.zeros((n, 3))
+        room = System(*(array[:n] for array in self._room))
+        with self._clock("exchange of momentum"):
+            momentum.assemble_exchange(
+                dt,
+                p.unknown_count,
+                velocity,
+                p.density,
+                self._viscosity[p.kind],
+                p.sediment_fraction,
+                p.concentration,
+                self._shear_rate,
+                p.grain_pressure,
+                self._strength,
+                self._drag,
+                self._walls,
+                self._stencil,
+                room,
+                right,
+            )
+            exchanged = velocity.copy()
+            for axis, solver in enumerate(self._exchange_solvers):
+                room.right[:] = right[:, axis]
+                start = np.ascontiguousarray(velocity[p.fluid, axis])
+                if solver.solve(room, start) < 0:
+                    raise NotConvergedError("the exchange of momentum")
+                exchanged[p.fluid, axis] = start
+        return exchanged
+
+    def _rub(self, p: Particles, velocity: Floats, dt: float) -> Floats:
+        slowed = velocity.copy()
+        momentum.rub(dt, velocity, self._walls, self._stencil, slowed[p.fluid])
+        return slowed
+
+    @contextmanager
+    def _clock(self, phase: str) -> Iterator[None]:
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[phase] = self.seconds.get(phase, 0.0) + perf_counter() - start

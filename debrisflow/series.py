@@ -1,0 +1,89 @@
+"""Tables in time as CSV files that grow by rows: comments, one line of column names, rows."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from debrisflow.atomic import replaced
+from debrisflow.errors import OutputError
+
+Row = Sequence[float | int | str]
+
+
+def write_table(
+    path: Path, columns: Sequence[str], head: Sequence[str], rows: Iterable[Row]
+) -> None:
+    """Write a whole table: its head as comments, the names of its columns, its rows.
+
+    The first column, the time, stands with every digit, so that it can be compared; the others
+    have nine digits.
+    """
+    with replaced(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
+        file.writelines(f"# {line}\n" for line in head)
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(_printed(row) for row in rows)
+
+
+class Series:
+    """A table that grows while a run goes on, and continues after it was interrupted.
+
+    Parameters
+    ----------
+    path : Path
+        A file that is there already is continued.
+    columns : sequence of str
+        Names of the columns; the first is the time.
+    head : sequence of str
+        Lines that say what the columns mean, written as comments.
+    """
+
+    def __init__(self, path: Path, columns: Sequence[str], head: Sequence[str]) -> None:
+        self.path = path
+        self.columns = tuple(columns)
+        self.head = tuple(head)
+        if not path.exists():
+            write_table(path, columns, head, [])
+        self._open()
+
+    def append(self, rows: Iterable[Row]) -> None:
+        """Write rows; they are on disk when this returns."""
+        try:
+            self._writer.writerows(_printed(row) for row in rows)
+            self._file.flush()
+        except OSError as error:
+            raise OutputError(f"cannot write {self.path}: {error.strerror}") from error
+
+    def truncate_after(self, time: float) -> None:
+        """Drop the rows later than a time, s, and a row that was left half written.
+
+        Raises
+        ------
+        OutputError
+            If the file has other columns.
+        """
+        self.close()
+        with self.path.open(newline="", encoding="utf-8") as file:
+            lines = [line for line in csv.reader(file) if line and not line[0].startswith("#")]
+        if not lines or tuple(lines[0]) != self.columns:
+            raise OutputError(f"{self.path} has other columns than {', '.join(self.columns)}")
+        whole = [line for line in lines[1:] if len(line) == len(self.columns)]
+        kept = [line for line in whole if float(line[0]) <= time]
+        write_table(self.path, self.columns, self.head, kept)
+        self._open()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _open(self) -> None:
+        self._file = self.path.open("a", newline="", encoding="utf-8")
+        self._writer = csv.writer(self._file, lineterminator="\n")
+
+
+def _printed(row: Row) -> list[str]:
+    first, *others = row
+    time = first if isinstance(first, str) else repr(float(first))
+    return [time, *(f"{v:.9g}" if isinstance(v, float) else str(v) for v in others)]

@@ -1,0 +1,237 @@
+"""The loop over time: steps, outputs, checkpoints and the end of a run."""
+
+from __future__ import annotations
+
+import logging
+import platform
+from importlib.metadata import version
+from math import ceil
+from os import sched_getaffinity
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from debrisflow import checkpoint
+from debrisflow._jit import THREADING_LAYER, set_threads
+from debrisflow.case import load_case, tables
+from debrisflow.errors import DivergedError, NotConvergedError
+from debrisflow.history import history_row
+from debrisflow.measures import deposit_profile
+from debrisflow.output import CASE, RunFolder, Schedule
+from debrisflow.schemes import SemiImplicit
+from debrisflow.state import PHASES, State, initial_state
+
+LOG = logging.getLogger("debrisflow.simulation")
+MOST_HALVINGS = 6
+FEWEST_PARTICLES_A_THREAD = 4000
+
+
+def simulate(
+    case: tables.Case, folder: Path, threads: int | None = None, overwrite: bool = False
+) -> dict[str, Any]:
+    """Compute a case and write its results into a folder.
+
+    Parameters
+    ----------
+    case : Case
+        As :func:`debrisflow.case.load_case` returns it.
+    folder : Path
+        Holds the results afterwards; refused if it holds some already, unless ``overwrite``.
+    threads : int, optional
+        As many as the case can use by default; the result does not depend on it.
+
+    Returns
+    -------
+    dict
+        The summary, also in ``summary.json``.
+
+    Raises
+    ------
+    OutputError, DivergedError
+    """
+    with RunFolder.create(folder, case, overwrite) as results:
+        state = initial_state(case)
+        run = _Run(case, results, state, threads)
+        run.scheme.fill_number_density(state)
+        run.write(0)
+        return run.finish()
+
+
+def resume(folder: Path, threads: int | None = None) -> dict[str, Any]:
+    """Continue the run of a folder from its last checkpoint; see :func:`simulate`."""
+    case = load_case(folder / CASE)
+    with RunFolder.open(folder) as results:
+        state = checkpoint.load(results.checkpoint_path)
+        results.rewind(state.time)
+        LOG.info("resumed at t = %g s, step %d", state.time, state.step)
+        return _Run(case, results, state, threads).finish()
+
+
+class _Run:
+    """One run: its case, folder, state, scheme and schedules."""
+
+    def __init__(
+        self, case: tables.Case, results: RunFolder, state: State, threads: int | None
+    ) -> None:
+        self.case, self.results, self.state = case, results, state
+        self.scheme = SemiImplicit(case)
+        cores = len(sched_getaffinity(0))
+        useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
+        self.threads = set_threads(threads or min(cores, useful))
+        start, end, output = -case.time.relaxation, case.time.end, case.output
+        assert output.deposit_interval is not None
+        assert output.history_interval is not None
+        self.frames = Schedule(output.interval, start, end)
+        self.deposits = Schedule(output.deposit_interval, start, end)
+        self.histories = Schedule(output.history_interval, start, end)
+        self._owes_checkpoint = False
+        self._particle_steps = 0
+        self._first_step = state.step
+        self._start = perf_counter()
+        LOG.info(
+            "%s: %d fluid of %d particles, %d threads (%s)",
+            case.title,
+            state.particles.fluid_count,
+            state.particles.count,
+            self.threads,
+            THREADING_LAYER,
+        )
+
+    def finish(self) -> dict[str, Any]:
+        """Run to the end of the simulated time and return the summary."""
+        try:
+            reason = self._loop()
+        except (DivergedError, KeyboardInterrupt) as error:
+            checkpoint.save(self.results.checkpoint_path, self.state)
+            interrupted = isinstance(error, KeyboardInterrupt)
+            self._conclude("interrupted" if interrupted else str(error))
+            raise
+        return self._conclude(reason)
+
+    def _loop(self) -> str:
+        state, end = self.state, self.case.time.end
+        total = end + self.case.time.relaxation
+        with tqdm(
+            total=total,
+            initial=state.time + self.case.time.relaxation,
+            bar_format="{percentage:3.0f}% |{bar:20}| {desc}, {remaining} left",
+            mininterval=0.5,
+        ) as bar:
+            while state.time < end:
+                if state.particles.fluid_count + state.particles.inflow_count == 0:
+                    return "no fluid is left"
+                self._save_if_owed()
+                due = min(s.next_after(state.time) for s in self._schedules)
+                step = self._advance(due)
+                self.write(step)
+                self._show(bar)
+        return "end of the simulated time"
+
+    @property
+    def _schedules(self) -> tuple[Schedule, Schedule, Schedule]:
+        return self.frames, self.deposits, self.histories
+
+    def _advance(self, due: float) -> int:
+        """Take one step, landing exactly on a due time; return the iterations of the pressure."""
+        state = self.state
+        longest = self.scheme.stable_dt(state)
+        for _ in range(MOST_HALVINGS):
+            steps = max(1, ceil((due - state.time) / longest * (1.0 - 1e-12)))
+            dt = (due - state.time) / steps
+            self._check(dt)
+            try:
+                iterations = self.scheme.step(state, dt)
+            except NotConvergedError as error:
+                LOG.warning("%s not solved at t = %g s, dt = %g s; halved", error, state.time, dt)
+                longest = 0.5 * dt
+                continue
+            state.time = due if steps == 1 else state.time + dt
+            state.dt = dt
+            state.step += 1
+            self._particle_steps += state.particles.fluid_count
+            return iterations
+        raise DivergedError(
+            f"{self.results.path}: at t = {state.time:g} s, step {state.step}, a linear system was "
+            f"not solved even with a time step of {longest:.3g} s; the last good state is in "
+            f"{self.results.checkpoint_path}"
+        )
+
+    def _check(self, dt: float) -> None:
+        """Stop a run that has lost its promise before the state is spoiled further."""
+        p = self.state.particles
+        if not np.isfinite(dt) or dt <= 0.0:
+            speed = np.linalg.norm(p.velocity[p.fluid], axis=1)
+            worst = int(np.argmax(np.where(np.isfinite(speed), speed, np.inf)))
+            raise DivergedError(
+                f"{self.results.path}: at t = {self.state.time:g} s, step {self.state.step}, "
+                f"particle {p.id[worst]} at {p.position[worst, :2]} m has the velocity "
+                f"{p.velocity[worst, :2]} m/s"
+            )
+
+    def _save_if_owed(self) -> None:
+        # A checkpoint waits for a step at which the scheme starts afresh, so that a resumed run
+        # repeats the bits.
+        if self._owes_checkpoint and self.state.step % self.scheme.REFRESH == 0:
+            checkpoint.save(self.results.checkpoint_path, self.state)
+            self._owes_checkpoint = False
+
+    def write(self, iterations: int) -> None:
+        """Write what is due at the time of the state."""
+        state, p = self.state, self.state.particles
+        if self.histories.is_due(state.time):
+            row = history_row(self.case, state, iterations, self.scheme.lattice)
+            self.results.write_history(row)
+        if self.deposits.is_due(state.time):
+            profile = deposit_profile(
+                self.case,
+                p.position,
+                p.velocity,
+                p.kind,
+                p.concentration,
+                p.number_density,
+                self.scheme.lattice.number_density,
+            )
+            self.results.write_deposit(state.time, profile)
+        if self.frames.is_due(state.time):
+            self.results.write_frame(state)
+            self._owes_checkpoint = True
+
+    def _show(self, bar: Any) -> None:
+        state = self.state
+        rate = self._particle_steps / (perf_counter() - self._start)
+        bar.set_description_str(
+            f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, "
+            f"{state.particles.fluid_count} particles, {rate:.2g} particle-steps/s",
+            refresh=False,
+        )
+        bar.update(state.time + self.case.time.relaxation - bar.n)
+
+    def _conclude(self, reason: str) -> dict[str, Any]:
+        state, seconds = self.state, perf_counter() - self._start
+        lost = int(state.through_wall.sum())
+        if lost:
+            LOG.warning("%d particles went through a wall", lost)
+        summary = {
+            "title": self.case.title,
+            "end_reason": reason,
+            "time": state.time,
+            "steps": state.step,
+            "wall_seconds": seconds,
+            "wall_seconds_by_phase": self.scheme.seconds,
+            "particle_steps_per_second": self._particle_steps / seconds,
+            "seconds_per_step": seconds / max(1, state.step - self._first_step),
+            "threads": self.threads,
+            "threading_layer": THREADING_LAYER,
+            "particles": state.particles.count,
+            "entered": dict(zip(PHASES, state.entered.tolist(), strict=True)),
+            "left": dict(zip(PHASES, state.left.tolist(), strict=True)),
+            "through_wall": dict(zip(PHASES, state.through_wall.tolist(), strict=True)),
+            "versions": {"python": platform.python_version()}
+            | {name: version(name) for name in ("debrisflow", "numpy", "numba", "scipy")},
+        }
+        self.results.write_summary(summary)
+        LOG.info("%s: t = %g s after %d steps, %.1f s", reason, state.time, state.step, seconds)
+        return summary

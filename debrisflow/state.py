@@ -1,0 +1,59 @@
+"""The whole state of a run: what a checkpoint must carry so that the run goes on bit for bit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import tables
+from debrisflow.particles import Particles, seed
+
+PHASES = ("liquid", "sediment", "mixture")
+
+
+def _counts() -> NDArray[np.int64]:
+    return np.zeros(len(PHASES), dtype=np.int64)
+
+
+@dataclass
+class State:
+    """Particles, clock and counters of a run.
+
+    Attributes
+    ----------
+    particles : Particles
+    time : float
+        Simulated time, s; negative while the fills relax.
+    step : int
+        Steps taken since the start of the run.
+    dt : float
+        Length of the last step, s.
+    entered, left, through_wall : (3,) int64 array
+        Particles by phase that came in through the inflow, left through an open end or over a
+        rim, and were lost through a wall.
+    supply_columns : int
+        Columns of inflow particles seeded so far.
+    supply_sediment : float
+        Sediment particles that the supply still owes to its concentration.
+    next_id : int
+        The number that the next new particle gets.
+    """
+
+    particles: Particles
+    time: float = 0.0
+    step: int = 0
+    dt: float = 0.0
+    entered: NDArray[np.int64] = field(default_factory=_counts)
+    left: NDArray[np.int64] = field(default_factory=_counts)
+    through_wall: NDArray[np.int64] = field(default_factory=_counts)
+    supply_columns: int = 0
+    supply_sediment: float = 0.0
+    next_id: int = 0
+
+
+def initial_state(case: tables.Case) -> State:
+    """Return the state of a case at its start, before its fills relax."""
+    particles = seed(case)
+    return State(particles, time=0.0 - case.time.relaxation, next_id=particles.count)

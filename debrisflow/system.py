@@ -1,0 +1,66 @@
+"""A sparse linear system in rows of neighbors, and the products that solvers need of it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from debrisflow._jit import loop
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int32]
+
+
+class System(NamedTuple):
+    """Rows of a sparse linear system.
+
+    Attributes
+    ----------
+    index : (m, capacity) int32 array
+        Columns of the entries of each row.
+    value : (m, capacity) float64 array
+        Entries off the diagonal, with their sign turned.
+    count : (m,) int32 array
+        Entries of each row; 0 where the solution is given.
+    diagonal, right : (m,) float64 array
+    """
+
+    index: Indices
+    value: Floats
+    count: Indices
+    diagonal: Floats
+    right: Floats
+
+
+def empty_system(rows: int, capacity: int) -> System:
+    """Return a system of ``rows`` given zeros with room for ``capacity`` entries in a row."""
+    return System(
+        np.zeros((rows, capacity), dtype=np.int32),
+        np.zeros((rows, capacity)),
+        np.zeros(rows, dtype=np.int32),
+        np.ones(rows),
+        np.zeros(rows),
+    )
+
+
+@loop
+def multiply(system, x, y):
+    """Write ``y = A x``."""
+    for i in prange(x.size):
+        total = system.diagonal[i] * x[i]
+        for k in range(system.count[i]):
+            total -= system.value[i, k] * x[system.index[i, k]]
+        y[i] = total
+
+
+@loop
+def residual(system, right, x, rest):
+    """Write ``rest = right - A x``, 0 where the solution is given."""
+    for i in prange(x.size):
+        total = right[i] - system.diagonal[i] * x[i]
+        for k in range(system.count[i]):
+            total += system.value[i, k] * x[system.index[i, k]]
+        rest[i] = total if system.count[i] > 0 else 0.0

@@ -1,0 +1,290 @@
+"""The case file: read, changed, completed and written."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from debrisflow.case import Case, case_schema, dump_case, load_case
+from debrisflow.errors import CaseError
+
+TANK = """
+title = "a column of water"
+particles = { spacing = 0.01 }
+geometry = { type = "tank", width = 0.4, height = 0.3 }
+time = { end = 1.0 }
+output = { interval = 0.1 }
+
+[[fill]]
+type = "block"
+x = [0, 0.2]
+y = [0.0, 0.1]
+material = "water"
+"""
+
+CHANNEL = """
+title = "a flume with a bed"
+particles = { spacing = 0.02 }
+gravity = { slope = 15.0 }
+time = { end = 1.0 }
+output = { interval = 0.1 }
+
+[geometry]
+type = "channel"
+length = 4.0
+height = 0.4
+bed_start = 1.0
+bed_thickness = 0.1
+
+[[fill]]
+type = "bed"
+
+[inflow]
+depth = 0.04
+discharge = 0.02
+"""
+
+
+@pytest.fixture
+def tank(tmp_path: Path) -> Path:
+    path = tmp_path / "tank.toml"
+    path.write_text(TANK)
+    return path
+
+
+@pytest.fixture
+def channel(tmp_path: Path) -> Path:
+    path = tmp_path / "channel.toml"
+    path.write_text(CHANNEL)
+    return path
+
+
+def reloaded(case: Case, folder: Path) -> Case:
+    path = folder / "dumped.toml"
+    path.write_text(dump_case(case))
+    return load_case(path)
+
+
+class TestCompletion:
+    @pytest.mark.parametrize(
+        ("form", "choices"),
+        [
+            ("stable", ("sum", "symmetric", "asymmetry", 0.02)),
+            ("study", ("cmps", "study", "density", 0.0)),
+        ],
+    )
+    def test_scheme_follows_its_form(
+        self, tank: Path, form: str, choices: tuple[str, str, str, float]
+    ) -> None:
+        scheme = load_case(tank, [f"scheme.form={form}"]).scheme
+
+        chosen = (
+            scheme.gradient,
+            scheme.interface,
+            scheme.free_surface,
+            scheme.density_correction,
+        )
+        assert chosen == choices
+
+    def test_a_stated_choice_stays(self, tank: Path) -> None:
+        scheme = load_case(tank, ["scheme.form=study", "scheme.gradient=sum"]).scheme
+
+        assert (scheme.gradient, scheme.interface) == ("sum", "study")
+
+    def test_step_of_gravity(self, tank: Path) -> None:
+        step = load_case(tank).time.largest_step
+
+        assert step == pytest.approx(0.03 * (0.01 / 9.81) ** 0.5)
+
+    def test_step_of_viscosity(self, tank: Path) -> None:
+        assert load_case(tank, ["water.viscosity=100"]).time.largest_step == pytest.approx(2e-4)
+
+    def test_step_without_gravity(self, tank: Path) -> None:
+        assert load_case(tank, ["gravity.acceleration=0"]).time.largest_step == 0.01
+
+    def test_intervals(self, tank: Path) -> None:
+        output = load_case(tank).output
+
+        assert (output.deposit_interval, output.history_interval) == (0.1, 0.01)
+
+    def test_bed_ends_at_the_weir(self, channel: Path) -> None:
+        assert load_case(channel).geometry.bed_end == 3.92  # type: ignore[union-attr]
+
+    @pytest.mark.parametrize("given", ["discharge=0.02", "velocity=0.5"])
+    def test_supply(self, channel: Path, given: str) -> None:
+        inflow = load_case(channel, [f"inflow.{given}"]).inflow
+
+        assert inflow is not None
+        assert (inflow.discharge, inflow.velocity) == pytest.approx((0.02, 0.5))
+
+    def test_gravity_along_a_slope(self, channel: Path) -> None:
+        along, across = load_case(channel).gravity.components
+
+        assert along == pytest.approx(9.81 * 0.2588190451)
+        assert across == pytest.approx(-9.81 * 0.9659258263)
+
+
+class TestRoundTrip:
+    @pytest.mark.parametrize("text", [TANK, CHANNEL], ids=["tank", "channel"])
+    @pytest.mark.parametrize(
+        "changes",
+        [
+            [],
+            ["scheme.form=study"],
+            ["gravity.vector=[1, -9]"],
+            ["water.viscosity=100"],
+            ["particles.effective_radius=2.1"],
+            ["strength.law=coulomb", "drag.law=gidaspow", "water.viscosity=100"],
+        ],
+        ids=" ".join,
+    )
+    def test_same_case(self, tmp_path: Path, text: str, changes: list[str]) -> None:
+        path = tmp_path / "case.toml"
+        path.write_text(text)
+        case = load_case(path, changes)
+
+        again = reloaded(case, tmp_path)
+
+        assert again == case
+        assert dump_case(again) == dump_case(case)
+
+    @pytest.mark.parametrize("supply", ["velocity=0.3", "discharge=0.017", "hydrograph=q.csv"])
+    def test_same_supply(self, channel: Path, supply: str) -> None:
+        channel.with_name("q.csv").write_text("time,concentration,discharge\n0,0.1,0.02\n3,0,0\n")
+        case = load_case(channel, [f"inflow.{supply}"])
+        channel.with_name("q.csv").unlink()
+
+        assert reloaded(case, channel.parent) == case
+
+    def test_nothing_is_left_open(self, channel: Path) -> None:
+        left_open = {
+            f"{name}.{key}"
+            for name, table in load_case(channel)
+            if name != "fill" and name != "title"
+            for key, value in table
+            if value is None
+        }
+
+        assert left_open == {"gravity.vector", "inflow.hydrograph"}
+
+    @pytest.mark.parametrize("path", sorted(Path(__file__).parents[1].glob("cases/*.toml")))
+    def test_shipped_cases(self, path: Path, tmp_path: Path) -> None:
+        case = load_case(path)
+
+        assert reloaded(case, tmp_path) == case
+
+
+class TestHydrograph:
+    def test_file_becomes_a_table(self, channel: Path) -> None:
+        channel.with_name("q.csv").write_text(
+            "# a comment\nconcentration, time, discharge\n\n0.1, 0, 0.02\n0.2, 5, 0.03\n"
+        )
+
+        inflow = load_case(channel, ["inflow.hydrograph=q.csv"]).inflow
+
+        assert inflow is not None
+        assert inflow.hydrograph is not None
+        assert not isinstance(inflow.hydrograph, str)
+        assert inflow.hydrograph.time == (0.0, 5.0)
+        assert inflow.hydrograph.discharge == (0.02, 0.03)
+        assert inflow.hydrograph.concentration == (0.1, 0.2)
+
+
+class TestOverrides:
+    def test_numbers_words_and_lists(self, tank: Path) -> None:
+        case = load_case(
+            tank,
+            [
+                "particles.spacing = 0.005",
+                "scheme.form=study",
+                'title="two words"',
+                "fill.0.x=[0, 0.1]",
+                "fill.0.y.1=0.2",
+                "walls.left.slip=free-slip",
+            ],
+        )
+
+        assert case.particles.spacing == 0.005
+        assert case.scheme.form == "study"
+        assert case.title == "two words"
+        assert case.fill[0].x == (0.0, 0.1)  # type: ignore[union-attr]
+        assert case.fill[0].y == (0.0, 0.2)  # type: ignore[union-attr]
+        assert case.walls.left.slip == "free-slip"
+
+    def test_one_way_of_gravity_replaces_the_other(self, channel: Path) -> None:
+        case = load_case(channel, ["gravity.vector=[0, -9.81]"])
+
+        assert case.gravity.components == (0.0, -9.81)
+
+    @pytest.mark.parametrize(
+        ("override", "line"),
+        [
+            ("sediment.grain_diametr=1", "unknown key; did you mean 'grain_diameter'?"),
+            ("particles.spacing.x=1", "particles.spacing.x = 1: unknown key"),
+            ("fill.3.x=[0, 1]", "fill.3: no such entry; there are 1, counted from 0"),
+            ("fill.first.x=[0, 1]", "fill.first: no such entry"),
+            ("time.end=2s", 'time.end = "2s" s: must be a number'),
+            ("time.end=1\nstep = 2", "time.end = "),
+            ("time.end", "--set time.end: must be KEY=VALUE"),
+        ],
+    )
+    def test_wrong_ones_are_told(self, tank: Path, override: str, line: str) -> None:
+        with pytest.raises(CaseError, match="1 error\n") as caught:
+            load_case(tank, [override])
+
+        assert line in str(caught.value)
+
+
+class TestUnreadableFiles:
+    def test_syntax_error_tells_its_line(self, tank: Path) -> None:
+        tank.write_text("title = 'x'\nspacing 0.01\n")
+
+        with pytest.raises(CaseError, match=r"tank\.toml: is not valid TOML: .*line 2"):
+            load_case(tank)
+
+    def test_absent(self, tmp_path: Path) -> None:
+        with pytest.raises(CaseError, match=r"no\.toml: cannot be read: no such file"):
+            load_case(tmp_path / "no.toml")
+
+    def test_not_text(self, tank: Path) -> None:
+        tank.write_bytes(b"title = '\xff'")
+
+        with pytest.raises(CaseError, match="UTF-8"):
+            load_case(tank)
+
+
+class TestSchema:
+    def test_every_quantity_has_unit_and_description(self) -> None:
+        schema = json.loads(case_schema())
+
+        for name, table in schema["$defs"].items():
+            assert table["description"], name
+            assert table["additionalProperties"] is False
+            for key, field in table["properties"].items():
+                if key != "type" and "$ref" not in field:
+                    assert field["description"], (name, key)
+                    assert "unit" in field, (name, key)
+
+    def test_editors_see_the_unit(self) -> None:
+        spacing = json.loads(case_schema())["$defs"]["Particles"]["properties"]["spacing"]
+
+        assert spacing["description"].endswith("[m]")
+
+    def test_references_resolve(self) -> None:
+        text = case_schema()
+        schema = json.loads(text)
+
+        used = {part.split('"')[0] for part in text.split('"$ref": "#/$defs/')[1:]}
+        assert used <= set(schema["$defs"])
+        assert used
+
+    def test_null_is_not_offered(self) -> None:
+        assert "null" not in case_schema()
+
+
+def test_dumped_case_is_toml_with_a_head(tank: Path) -> None:
+    text = dump_case(load_case(tank))
+
+    assert text.startswith("# Resolved case")
+    assert tomllib.loads(text)["particles"]["spacing"] == 0.01
