@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from debrisflow import geometry
 from debrisflow._jit import kernel, loop
 from debrisflow.case import tables
-from debrisflow.operators import WallSurface, neighbor
+from debrisflow.operators import WallSurface, height_over
 from debrisflow.particles import Kind, Particles, blank, set_material
 from debrisflow.state import State
 
@@ -42,31 +42,35 @@ def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, 
     """
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     u0, v0, w0 = u, v, w
-    reach = distance - 0.5 * stencil.spacing
+    d0 = stencil.spacing
+    near_wall = False
     for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r >= distance or walls.depth[j] > 0.0:
+        inverse = stencil.inverse[i, k]
+        if inverse * 1.5 * d0 < 1.0:
             continue
+        j = stencil.index[i, k]
+        near_wall = near_wall or j >= stencil.wall_from
+        if inverse * distance <= 1.0 or j >= stencil.wall_from:
+            continue
+        dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
         approach = (
             (u0 - velocity[j, 0]) * dx + (v0 - velocity[j, 1]) * dy + (w0 - velocity[j, 2]) * dz
         )
         if approach > 0.0:
             share = density[j] / (density[i] + density[j]) if j < fluid_count else 1.0
-            impulse = (1.0 + restitution) * share * approach / (r * r)
+            impulse = (1.0 + restitution) * share * approach * inverse * inverse
             u -= impulse * dx
             v -= impulse * dy
             w -= impulse * dz
+    if not near_wall:
+        return u, v, w
     for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        s = walls.depth[j]
-        if s <= 0.0 or s > stencil.spacing or r > 1.5 * stencil.spacing:
+        j = stencil.index[i, k]
+        if j < stencil.wall_from or walls.depth[j] > d0 or stencil.inverse[i, k] * 1.5 * d0 < 1.0:
             continue
         nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
-        height = -(dx * nx + dy * ny + dz * nz) - s
-        approach = (
-            (velocity[j, 0] - u) * nx + (velocity[j, 1] - v) * ny + (velocity[j, 2] - w) * nz
-        )
-        if height < reach and approach > 0.0:
+        approach = (velocity[j, 0] - u) * nx + (velocity[j, 1] - v) * ny + (velocity[j, 2] - w) * nz
+        if height_over(i, k, walls, stencil) < distance - 0.5 * d0 and approach > 0.0:
             u += (1.0 + restitution) * approach * nx
             v += (1.0 + restitution) * approach * ny
             w += (1.0 + restitution) * approach * nz

@@ -8,7 +8,7 @@ import numpy as np
 from numba import prange
 
 from debrisflow._jit import kernel, loop
-from debrisflow.operators import neighbor, shear_rate_at
+from debrisflow.operators import shear_rate_at
 
 
 class Grains(NamedTuple):
@@ -98,8 +98,8 @@ def neighborhood_temperature_at(i, fluid_count, velocity, fraction, stencil):
     square = u * u + v * v + w * w
     grains = 1.0
     for k in range(stencil.count[i]):
-        j, _, _, _, r = neighbor(i, k, stencil)
-        if r < stencil.effective_radius and j < fluid_count and fraction[j] > 0.0:
+        j = stencil.index[i, k]
+        if j < fluid_count and fraction[j] > 0.0:
             u += velocity[j, 0]
             v += velocity[j, 1]
             w += velocity[j, 2]
@@ -114,9 +114,9 @@ def concentration_at(i, fluid_count, fraction, stencil):
     """Return the weighted share of sediment in reach, the particle itself counted twice."""
     share, total = 2.0 * fraction[i], 2.0
     for k in range(stencil.count[i]):
-        j, _, _, _, r = neighbor(i, k, stencil)
-        if r < stencil.effective_radius and j < fluid_count:
-            w = stencil.effective_radius / r - 1.0
+        j = stencil.index[i, k]
+        if j < fluid_count:
+            w = stencil.effective_radius * stencil.inverse[i, k] - 1.0
             share += w * fraction[j]
             total += w
     return share / total
@@ -166,14 +166,15 @@ def collision_force_at(i, fluid_count, velocity, fraction, pressure, viscosity, 
     pull = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
     x, y, z = 0.0, 0.0, 0.0
     for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r < r_e and j < fluid_count and fraction[j] > 0.0:
-            w = r_e / r - 1.0
-            f = push * (pressure[i] + pressure[j]) * w / (r * r)
+        j = stencil.index[i, k]
+        if j < fluid_count and fraction[j] > 0.0:
+            inverse = stencil.inverse[i, k]
+            w = r_e * inverse - 1.0
+            f = push * (pressure[i] + pressure[j]) * w * inverse * inverse
             s = pull * 0.5 * (viscosity[i] + viscosity[j]) * w
-            x += s * (velocity[j, 0] - velocity[i, 0]) - f * dx
-            y += s * (velocity[j, 1] - velocity[i, 1]) - f * dy
-            z += s * (velocity[j, 2] - velocity[i, 2]) - f * dz
+            x += s * (velocity[j, 0] - velocity[i, 0]) - f * stencil.dx[i, k]
+            y += s * (velocity[j, 1] - velocity[i, 1]) - f * stencil.dy[i, k]
+            z += s * (velocity[j, 2] - velocity[i, 2]) - f * stencil.dz[i, k]
     return x, y, z
 
 
@@ -205,7 +206,6 @@ def grain_pressure_row_at(
     row.  Walls are natural boundaries: pairs of two wall particles and dummies are left out.
     It takes the pores as drained: no excess pore pressure, no dilatancy.
     """
-    unknowns = system.count.size
     is_fluid = i < fluid_count
     weight = np.sqrt(gravity[0] ** 2 + gravity[1] ** 2 + gravity[2] ** 2) * submerged_density
     system.count[i] = 0
@@ -217,25 +217,27 @@ def grain_pressure_row_at(
         system.right[i] = 0.5 * c[i] * weight * stencil.spacing
         return
     diagonal, right = 0.0, 0.0
-    entries = 0
-    for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r >= stencil.effective_radius or j >= unknowns or (not is_fluid and j >= fluid_count):
+    for k in range(stencil.unknown[i]):
+        j = stencil.index[i, k]
+        system.value[i, k] = 0.0
+        if not is_fluid and j >= fluid_count:
             continue
-        a = stencil.effective_radius * stencil.spacing**2 / (r * r * r)
+        a = stencil.effective_radius * stencil.spacing**2 * stencil.inverse[i, k] ** 3
         share = c[i] if j >= fluid_count else (c[j] if not is_fluid else 0.5 * (c[i] + c[j]))
         right -= (
             a
             * share
             * submerged_density
-            * (gravity[0] * dx + gravity[1] * dy + gravity[2] * dz)
+            * (
+                gravity[0] * stencil.dx[i, k]
+                + gravity[1] * stencil.dy[i, k]
+                + gravity[2] * stencil.dz[i, k]
+            )
         )
         diagonal += a
-        system.index[i, entries] = j
-        system.value[i, entries] = a
-        entries += 1
-    if entries > 0:
-        system.count[i] = entries
+        system.value[i, k] = a
+    if diagonal > 0.0:
+        system.count[i] = stencil.unknown[i]
         system.diagonal[i] = diagonal
         system.right[i] = right
 
@@ -244,7 +246,10 @@ def grain_pressure_row_at(
 def assemble_grain_pressure(
     fluid_count, c, on_free_surface, submerged_density, gravity, stencil, system
 ):
-    """Write the balance of the buoyant grains for every fluid, inflow and wall particle."""
+    """Write the balance of the buoyant grains for every fluid, inflow and wall particle.
+
+    The system must share its ``index`` with the stencil.
+    """
     for i in prange(system.count.size):
         grain_pressure_row_at(
             i, fluid_count, c, on_free_surface, submerged_density, gravity, stencil, system

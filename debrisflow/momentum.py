@@ -7,7 +7,7 @@ from numba import prange
 
 from debrisflow._jit import kernel, loop
 from debrisflow.granular import collision_force_at
-from debrisflow.operators import neighbor, velocity_difference
+from debrisflow.operators import height_over, velocity_difference, wall_distance
 from debrisflow.rheology import (
     drag_coefficient,
     frictional_viscosity,
@@ -27,15 +27,14 @@ def viscous_force_at(i, velocity, viscosity, walls, stencil):
     factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
     x, y, z = 0.0, 0.0, 0.0
     for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r < r_e:
-            du, dv, dw = velocity_difference(i, j, dx, dy, dz, velocity, walls, stencil.spacing)
-            is_wall = walls.depth[j] > 0.0
-            mu = viscosity[i] if is_wall else harmonic_mean(viscosity[i], viscosity[j])
-            f = factor * mu * (r_e / r - 1.0)
-            x += f * du
-            y += f * dv
-            z += f * dw
+        j = stencil.index[i, k]
+        du, dv, dw = velocity_difference(i, k, velocity, walls, stencil)
+        is_wall = j >= stencil.wall_from
+        mu = viscosity[i] if is_wall else harmonic_mean(viscosity[i], viscosity[j])
+        f = factor * mu * (r_e * stencil.inverse[i, k] - 1.0)
+        x += f * du
+        y += f * dv
+        z += f * dw
     return x, y, z
 
 
@@ -78,7 +77,6 @@ def exchange_row_at(
     i,
     dt,
     fluid_count,
-    wet_count,
     velocity,
     density,
     viscosity,
@@ -110,24 +108,19 @@ def exchange_row_at(
     mu_i = viscosity[i] + turbulent_viscosity(density[i], shear_rate[i], strength)
     diagonal = density[i]
     x, y, z = (density[i] * velocity[i, 0], density[i] * velocity[i, 1], density[i] * velocity[i, 2])
-    entries = 0
     for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r >= r_e:
-            continue
-        w = r_e / r - 1.0
-        s = walls.depth[j]
-        if s > 0.0:
+        j = stencil.index[i, k]
+        w = r_e * stencil.inverse[i, k] - 1.0
+        if k < stencil.unknown[i]:
+            system.value[i, k] = 0.0
+        if j >= stencil.wall_from:
             if walls.slip[j] > 0.0:
                 continue
-            h = max(
-                -(dx * walls.normal[j, 0] + dy * walls.normal[j, 1] + dz * walls.normal[j, 2]) - s,
-                0.5 * stencil.spacing,
-            )
-            p = 0.5 * (grain_pressure[i] + grain_pressure[j]) if j < wet_count else grain_pressure[i]
+            p = 0.5 * (grain_pressure[i] + grain_pressure[j]) if k < stencil.unknown[i] else grain_pressure[i]
             mu = viscosity[i] if walls.roughness[j] > 0.0 else mu_i
             eta = mu + frictional_viscosity(p, c[i], shear_rate[i], strength)
-            coupling = dt * factor * w * eta * (1.0 + s / h)
+            mirror = 1.0 + walls.depth[j] / wall_distance(i, k, walls, stencil)
+            coupling = dt * factor * w * eta * mirror
         elif j >= fluid_count:
             coupling = dt * factor * w * mu_i
         else:
@@ -148,14 +141,12 @@ def exchange_row_at(
                 coupling += dt * w / n0 * drag_coefficient(0.5 * (c[i] + c[j]), slip, drag)
         diagonal += coupling
         if j < fluid_count:
-            system.index[i, entries] = j
-            system.value[i, entries] = coupling
-            entries += 1
+            system.value[i, k] = coupling
         else:
             x += coupling * velocity[j, 0]
             y += coupling * velocity[j, 1]
             z += coupling * velocity[j, 2]
-    system.count[i] = entries
+    system.count[i] = stencil.unknown[i]
     system.diagonal[i] = diagonal
     right[i, 0] = x
     right[i, 1] = y
@@ -165,7 +156,7 @@ def exchange_row_at(
 @loop
 def assemble_exchange(
     dt,
-    wet_count,
+    fluid_count,
     velocity,
     density,
     viscosity,
@@ -180,14 +171,16 @@ def assemble_exchange(
     system,
     right,
 ):
-    """Write the implicit exchange of momentum for every fluid particle."""
-    fluid_count = system.count.size
+    """Write the implicit exchange of momentum for every fluid particle.
+
+    The system must share its ``index`` with the stencil; a neighbor whose velocity is given has
+    the value 0 in its row and a part in the right side.
+    """
     for i in prange(fluid_count):
         exchange_row_at(
             i,
             dt,
             fluid_count,
-            wet_count,
             velocity,
             density,
             viscosity,
@@ -212,15 +205,16 @@ def rub_at(i, dt, velocity, walls, stencil):
     spacing, acts on the part of the velocity along the wall; implicit, so that it never reverses.
     """
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    nearest, touched = stencil.spacing, -1
+    d0 = stencil.spacing
+    nearest, touched = d0, -1
     for k in range(stencil.count[i]):
-        j, dx, dy, dz, _ = neighbor(i, k, stencil)
-        s = walls.depth[j]
-        if s > 0.0 and s <= 0.5 * stencil.spacing * (1.0 + 1e-6) and walls.roughness[j] > 0.0:
-            h = -(dx * walls.normal[j, 0] + dy * walls.normal[j, 1] + dz * walls.normal[j, 2]) - s
-            along = dx * dx + dy * dy + dz * dz - (h + s) ** 2
-            if h < nearest and along < stencil.spacing**2:
-                nearest, touched = h, j
+        j = stencil.index[i, k]
+        if j < stencil.wall_from or walls.depth[j] > 0.51 * d0 or walls.roughness[j] <= 0.0:
+            continue
+        h = height_over(i, k, walls, stencil)
+        along2 = stencil.inverse[i, k] ** -2 - (h + walls.depth[j]) ** 2
+        if h < nearest and along2 < d0 * d0:
+            nearest, touched = h, j
     if touched >= 0:
         j = touched
         nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]

@@ -174,23 +174,30 @@ def _add_rows_times(start, index, value, x, y):
         y[i] = total
 
 
-@kernel
+@loop
 def _coarse_forward(start, index, value, diagonal, right, x):
-    for i in range(x.size):
-        total = right[i]
-        for k in range(start[i], start[i + 1]):
-            if index[k] < i:
-                total -= value[k] * x[index[k]]
-        x[i] = total / diagonal[i]
+    n = x.size
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        lower = block * BLOCK
+        for i in range(lower, min(lower + BLOCK, n)):
+            total = right[i]
+            for k in range(start[i], start[i + 1]):
+                if lower <= index[k] < i:
+                    total -= value[k] * x[index[k]]
+            x[i] = total / diagonal[i]
 
 
-@kernel
-def _coarse_backward(start, index, value, diagonal, right, x):
-    for i in range(x.size - 1, -1, -1):
-        total = right[i] + diagonal[i] * x[i]
-        for k in range(start[i], start[i + 1]):
-            total -= value[k] * x[index[k]]
-        x[i] = total / diagonal[i]
+@loop
+def _coarse_backward(start, index, value, diagonal, right, old, x):
+    n = x.size
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        lower, upper = block * BLOCK, min((block + 1) * BLOCK, n)
+        for i in range(upper - 1, lower - 1, -1):
+            total = right[i] + diagonal[i] * x[i]
+            for k in range(start[i], start[i + 1]):
+                j = index[k]
+                total -= value[k] * (x[j] if lower <= j < upper else old[j])
+            x[i] = total / diagonal[i]
 
 
 @kernel
@@ -259,16 +266,16 @@ def cycle(system, h, right, z, old, coarse_right, coarse, rest):
                 start, h.prolong_index, h.prolong_value, coarse[a : a + m], coarse[b : b + f]
             )
             row = b + level - 2
+            rest[b : b + f] = coarse[b : b + f]
             _coarse_backward(
                 h.matrix_start[row : row + f + 1],
                 h.matrix_index,
                 h.matrix_value,
                 h.diagonal[b : b + f],
                 coarse_right[b : b + f],
+                rest[b : b + f],
                 coarse[b : b + f],
             )
-    old[:] = z
     for i in range(z.size):
-        if system.count[i] == 0:
-            old[i] = 0.0
+        old[i] = z[i] if system.count[i] > 0 else 0.0
     _relax_backward(system, right, old, z)

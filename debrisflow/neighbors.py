@@ -10,21 +10,8 @@ from debrisflow._jit import kernel, loop
 
 Floats = NDArray[np.float64]
 SKIN = 0.4
-
-
-@kernel
-def separation(position, i, j, period):
-    """Return ``r_j - r_i`` along x, y and z, through the nearest image where a period is not 0."""
-    dx = position[j, 0] - position[i, 0]
-    dy = position[j, 1] - position[i, 1]
-    dz = position[j, 2] - position[i, 2]
-    if period[0] > 0.0:
-        dx -= period[0] * np.rint(dx / period[0])
-    if period[1] > 0.0:
-        dy -= period[1] * np.rint(dy / period[1])
-    if period[2] > 0.0:
-        dz -= period[2] * np.rint(dz / period[2])
-    return dx, dy, dz
+AXES = (0, 2, 1)  # cells that follow along y follow in memory, in two dimensions and in three
+PIECE = 128
 
 
 class Grid:
@@ -40,7 +27,9 @@ class Grid:
 
     def __init__(self, position: Floats, radius: float, period: Floats) -> None:
         self.periodic = period > 0.0
-        lower, upper = position.min(axis=0), position.max(axis=0)
+        columns = position.T
+        lower = np.array([column.min() for column in columns])
+        upper = np.array([column.max() for column in columns])
         extent = np.where(self.periodic, period, upper - lower)
         self.lower = np.where(self.periodic, 0.0, lower)
         self.shape = np.maximum(1, np.floor(extent / radius).astype(np.int64))
@@ -56,7 +45,7 @@ class Grid:
 def _cell_of(position, lower, width, shape, periodic, cell):
     for i in prange(position.shape[0]):
         number = 0
-        for k in range(3):
+        for k in AXES:
             c = np.int64(np.floor((position[i, k] - lower[k]) / width[k]))
             if periodic[k]:
                 c %= shape[k]
@@ -81,42 +70,84 @@ def _sort_by_cell(cell, start, order):
 
 
 @kernel
+def append_near(i, here, sorted_position, order, lower, upper, period, reach2, near, row, count):
+    """Append the particles of ``order[lower:upper]`` within reach of ``here`` to a row.
+
+    Distances first, which vectorizes, then the list; the last place of the row takes what does not
+    count, which spares a branch.  Twice as fast as one loop.
+    """
+    last = row.size - 1
+    for first in range(lower, upper, PIECE):
+        size = min(upper - first, PIECE)
+        xs = sorted_position[0, first : first + size]
+        ys = sorted_position[1, first : first + size]
+        zs = sorted_position[2, first : first + size]
+        for k in range(size):
+            dx = xs[k] - here[0]
+            dy = ys[k] - here[1]
+            dz = zs[k] - here[2]
+            dx -= period[0] * np.rint(dx * period[3])
+            dy -= period[1] * np.rint(dy * period[4])
+            dz -= period[2] * np.rint(dz * period[5])
+            near[k] = dx * dx + dy * dy + dz * dz < reach2
+        for k in range(size):
+            j = order[first + k]
+            row[min(count, last)] = j
+            count += near[k] & np.int8(j != i)
+    return count
+
+
+@kernel
 def list_at(i, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index):
     """Write the particles within reach of particle i into row i and return how many there are.
 
-    No more are written than the row holds: a larger number says that the list overflowed.
+    A number greater than the row's length less one says that the list overflowed.
     """
-    capacity = index.shape[1]
     count = 0
-    cz = cell[i] % shape[2]
-    cy = (cell[i] // shape[2]) % shape[1]
-    cx = cell[i] // (shape[2] * shape[1])
-    x, y, z = position[i, 0], position[i, 1], position[i, 2]
+    near = np.empty(PIECE, dtype=np.int8)
+    here = (position[i, 0], position[i, 1], position[i, 2])
+    lengths = (period[0], period[1], period[2], *_inverse(period))
+    cy = cell[i] % shape[1]
+    cz = (cell[i] // shape[1]) % shape[2]
+    cx = cell[i] // (shape[1] * shape[2])
     for a in range(cx - 1, cx + 2):
         if (a < 0 or a >= shape[0]) and not periodic[0]:
             continue
-        for b in range(cy - 1, cy + 2):
-            if (b < 0 or b >= shape[1]) and not periodic[1]:
+        for c in range(cz - 1, cz + 2):
+            if (c < 0 or c >= shape[2]) and not periodic[2]:
                 continue
-            for c in range(cz - 1, cz + 2):
-                if (c < 0 or c >= shape[2]) and not periodic[2]:
-                    continue
-                number = ((a % shape[0]) * shape[1] + b % shape[1]) * shape[2] + c % shape[2]
-                for k in range(start[number], start[number + 1]):
-                    dx = sorted_position[k, 0] - x
-                    dy = sorted_position[k, 1] - y
-                    dz = sorted_position[k, 2] - z
-                    if periodic[0]:
-                        dx -= period[0] * np.rint(dx / period[0])
-                    if periodic[1]:
-                        dy -= period[1] * np.rint(dy / period[1])
-                    if periodic[2]:
-                        dz -= period[2] * np.rint(dz / period[2])
-                    if dx * dx + dy * dy + dz * dz < reach2 and order[k] != i:
-                        if count < capacity:
-                            index[i, count] = order[k]
-                        count += 1
+            column = ((a % shape[0]) * shape[2] + c % shape[2]) * shape[1]
+            cells = 3 if periodic[1] else 1
+            for b in range(cells):
+                if periodic[1]:
+                    lower = column + (cy - 1 + b) % shape[1]
+                    upper = lower + 1
+                else:
+                    lower, upper = column + max(cy - 1, 0), column + min(cy + 2, shape[1])
+                count = append_near(
+                    i,
+                    here,
+                    sorted_position,
+                    order,
+                    start[lower],
+                    start[upper],
+                    lengths,
+                    reach2,
+                    near,
+                    index[i],
+                    count,
+                )
     return count
+
+
+@kernel
+def _inverse(period):
+    """Return the inverse of each period, 0 where there is none."""
+    return (
+        1.0 / period[0] if period[0] > 0.0 else 0.0,
+        1.0 / period[1] if period[1] > 0.0 else 0.0,
+        1.0 / period[2] if period[2] > 0.0 else 0.0,
+    )
 
 
 @loop
@@ -179,7 +210,7 @@ class Neighbors:
         """Build the list of the first ``rows`` particles."""
         grid = Grid(position, self.radius, self.period)
         n = position.shape[0]
-        cell, order = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        cell, order = np.empty(n, dtype=np.int32), np.empty(n, dtype=np.int32)
         start = np.empty(grid.cell_count + 1, dtype=np.int64)
         _cell_of(position, grid.lower, grid.width, grid.shape, grid.periodic, cell)
         _sort_by_cell(cell, start, order)
@@ -189,7 +220,7 @@ class Neighbors:
         while True:
             _list(
                 position,
-                position[order],
+                np.ascontiguousarray(position[order].T),
                 order,
                 start,
                 cell,
@@ -201,9 +232,9 @@ class Neighbors:
                 self.count,
             )
             most = int(self.count.max(initial=0))
-            if most <= self.index.shape[1]:
+            if most < self.index.shape[1]:
                 break
-            self.index = np.zeros((rows, most + most // 8 + 1), dtype=np.int32)
+            self.index = np.zeros((rows, most + most // 8 + 2), dtype=np.int32)
         self._reference = position.copy()
 
     def is_stale(self, position: Floats, rows: int) -> bool:

@@ -15,23 +15,31 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors import separation
+from debrisflow.lattice import Reference
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.int32]
 
 
 class Stencil(NamedTuple):
-    """Where the particles are, who is near whom, and the lattice constants.
+    """Who is within the influence radius of whom at this step, and the lattice constants.
+
+    Pair geometry is computed once a step and read by every term.
 
     Attributes
     ----------
-    position : (n, 3) float64 array, m
     index : (m, capacity) int32 array
-        Neighbors of the first m particles.
+        Neighbors of the first m particles; those that carry a pressure stand first.
     count : (m,) int32 array
         Number of neighbors in each row.
-    period : (3,) float64 array, m
-        Period along each axis; 0 where there is none.
+    unknown : (m,) int32 array
+        Number of neighbors in each row that carry a pressure.
+    dx, dy, dz : (m, capacity) float64 array, m
+        Components of ``r_j - r_i``, through the nearest image where the domain repeats.
+    inverse : (m, capacity) float64 array, 1/m
+        ``1 / r``.
+    wall_from : int
+        Particles from this one on are walls.
     dimension : float
         Ds.
     spacing, effective_radius : float, m
@@ -42,15 +50,95 @@ class Stencil(NamedTuple):
         lambda.
     """
 
-    position: Floats
-    index: NDArray[np.int32]
-    count: NDArray[np.int32]
-    period: Floats
+    index: Indices
+    count: Indices
+    unknown: Indices
+    dx: Floats
+    dy: Floats
+    dz: Floats
+    inverse: Floats
+    wall_from: int
     dimension: float
     spacing: float
     effective_radius: float
     number_density: float
     laplacian_lambda: float
+
+
+def empty_stencil(rows: int, capacity: int, lattice: Reference) -> Stencil:
+    """Return a stencil with room for ``capacity`` neighbors of ``rows`` particles."""
+    return Stencil(
+        np.zeros((rows, capacity), dtype=np.int32),
+        np.zeros(rows, dtype=np.int32),
+        np.zeros(rows, dtype=np.int32),
+        np.zeros((rows, capacity)),
+        np.zeros((rows, capacity)),
+        np.zeros((rows, capacity)),
+        np.zeros((rows, capacity)),
+        rows,
+        float(lattice.dimension),
+        lattice.spacing,
+        lattice.effective_radius,
+        lattice.number_density,
+        lattice.laplacian_lambda,
+    )
+
+
+@kernel
+def survey_at(i, position, period, listed, listed_count, stencil):
+    """Write row i of the stencil from the particles listed near i.
+
+    Two particles at one place have no direction: they are kept apart by 1e-6 d0 along x, whose
+    sign follows their order, so that the pair stays opposite.
+    """
+    rows = stencil.count.size
+    reach2 = stencil.effective_radius**2
+    x, y, z = position[i, 0], position[i, 1], position[i, 2]
+    found, last = 0, stencil.index.shape[1]
+    for k in range(listed_count[i]):
+        j = listed[i, k]
+        dx = position[j, 0] - x
+        dy = position[j, 1] - y
+        dz = position[j, 2] - z
+        if period[0] > 0.0:
+            dx -= period[0] * np.rint(dx / period[0])
+        if period[1] > 0.0:
+            dy -= period[1] * np.rint(dy / period[1])
+        if period[2] > 0.0:
+            dz -= period[2] * np.rint(dz / period[2])
+        r2 = dx * dx + dy * dy + dz * dz
+        if r2 >= reach2:
+            continue
+        if r2 == 0.0:
+            dx = 1e-6 * stencil.spacing if j > i else -1e-6 * stencil.spacing
+            r2 = dx * dx
+        if j < rows:
+            place = found
+            found += 1
+        else:
+            last -= 1
+            place = last
+        stencil.index[i, place] = j
+        stencil.dx[i, place] = dx
+        stencil.dy[i, place] = dy
+        stencil.dz[i, place] = dz
+        stencil.inverse[i, place] = 1.0 / np.sqrt(r2)
+    stencil.unknown[i] = found
+    for place in range(last, stencil.index.shape[1]):
+        stencil.index[i, found] = stencil.index[i, place]
+        stencil.dx[i, found] = stencil.dx[i, place]
+        stencil.dy[i, found] = stencil.dy[i, place]
+        stencil.dz[i, found] = stencil.dz[i, place]
+        stencil.inverse[i, found] = stencil.inverse[i, place]
+        found += 1
+    stencil.count[i] = found
+
+
+@loop
+def survey(position, period, listed, listed_count, stencil):
+    """Write the stencil of the step from the neighbor list."""
+    for i in prange(listed_count.size):
+        survey_at(i, position, period, listed, listed_count, stencil)
 
 
 class WallSurface(NamedTuple):
@@ -75,15 +163,7 @@ class WallSurface(NamedTuple):
 
 
 @kernel
-def neighbor(i, k, stencil):
-    """Return number, separation and distance of the k-th listed neighbor of particle i."""
-    j = stencil.index[i, k]
-    dx, dy, dz = separation(stencil.position, i, j, stencil.period)
-    return j, dx, dy, dz, np.sqrt(dx * dx + dy * dy + dz * dz)
-
-
-@kernel
-def velocity_difference(i, j, dx, dy, dz, velocity, walls, d0):
+def velocity_difference(i, k, velocity, walls, stencil):
     """Return ``u_j - u_i``, where a wall particle has the velocity that keeps its surface still.
 
     A wall particle at depth ``s`` under its surface takes the velocity on the line through
@@ -98,20 +178,40 @@ def velocity_difference(i, j, dx, dy, dz, velocity, walls, d0):
     ----------
     Morris, Fox & Zhu 1997, doi:10.1006/jcph.1997.5776.
     """
+    j = stencil.index[i, k]
     du = velocity[j, 0] - velocity[i, 0]
     dv = velocity[j, 1] - velocity[i, 1]
     dw = velocity[j, 2] - velocity[i, 2]
-    s = walls.depth[j]
-    if s > 0.0:
-        nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
-        h = max(-(dx * nx + dy * ny + dz * nz) - s, 0.5 * d0)
-        factor = 1.0 + s / h
-        normal = du * nx + dv * ny + dw * nz
-        stick = 1.0 - walls.slip[j]
-        du = factor * (normal * nx + stick * (du - normal * nx))
-        dv = factor * (normal * ny + stick * (dv - normal * ny))
-        dw = factor * (normal * nz + stick * (dw - normal * nz))
-    return du, dv, dw
+    if j < stencil.wall_from:
+        # returned from here, the loop over fluid neighbors is ten times faster
+        return du, dv, dw
+    nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
+    factor = 1.0 + walls.depth[j] / wall_distance(i, k, walls, stencil)
+    normal = du * nx + dv * ny + dw * nz
+    stick = 1.0 - walls.slip[j]
+    return (
+        factor * (normal * nx + stick * (du - normal * nx)),
+        factor * (normal * ny + stick * (dv - normal * ny)),
+        factor * (normal * nz + stick * (dw - normal * nz)),
+    )
+
+
+@kernel
+def height_over(i, k, walls, stencil):
+    """Return the height of particle i over the surface of the wall that neighbor k belongs to, m."""
+    j = stencil.index[i, k]
+    below = (
+        stencil.dx[i, k] * walls.normal[j, 0]
+        + stencil.dy[i, k] * walls.normal[j, 1]
+        + stencil.dz[i, k] * walls.normal[j, 2]
+    )
+    return -below - walls.depth[j]
+
+
+@kernel
+def wall_distance(i, k, walls, stencil):
+    """Return the height over the wall, not below d0/2, the height of the first row, m."""
+    return max(height_over(i, k, walls, stencil), 0.5 * stencil.spacing)
 
 
 @kernel
@@ -121,53 +221,56 @@ def number_density_at(i, stencil):
     n = 0.0
     x, y, z = 0.0, 0.0, 0.0
     for k in range(stencil.count[i]):
-        _, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r < r_e:
-            w = r_e / r - 1.0
-            n += w
-            x += w * dx / r
-            y += w * dy / r
-            z += w * dz / r
+        inverse = stencil.inverse[i, k]
+        w = r_e * inverse - 1.0
+        n += w
+        x += w * stencil.dx[i, k] * inverse
+        y += w * stencil.dy[i, k] * inverse
+        z += w * stencil.dz[i, k] * inverse
     return n, np.sqrt(x * x + y * y + z * z)
 
 
 @loop
 def number_density(stencil, n, asymmetry):
-    """Write number density and asymmetry of every listed particle, (m,) float64 arrays."""
+    """Write number density and asymmetry of every particle with a row, (m,) float64 arrays."""
     for i in prange(n.size):
         n[i], asymmetry[i] = number_density_at(i, stencil)
 
 
 @kernel
-def gradient_at(i, values, mirrored_from, reach, stencil):
+def gradient_at(i, values, with_walls, stencil):
     """Return the conservative gradient ``(Ds/n0) sum of (f_i + f_j) r_ij w / r^2``.
 
     Exact for a linear field on the full lattice, and its pair terms are equal and opposite, so a
-    pressure force conserves momentum.  Neighbors from ``mirrored_from`` on take the value of i;
-    those from ``reach`` on are left out.
+    pressure force conserves momentum.  Dummy walls take the value of i, or are left out unless
+    ``with_walls``.
     """
     r_e = stencil.effective_radius
     x, y, z = 0.0, 0.0, 0.0
-    for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r < r_e and j < reach:
-            f = values[i] + (values[j] if j < mirrored_from else values[i])
-            f *= (r_e / r - 1.0) / (r * r)
-            x += f * dx
-            y += f * dy
-            z += f * dz
+    f_i = values[i]
+    for k in range(stencil.unknown[i]):
+        inverse = stencil.inverse[i, k]
+        f = (f_i + values[stencil.index[i, k]]) * (r_e * inverse - 1.0) * inverse * inverse
+        x += f * stencil.dx[i, k]
+        y += f * stencil.dy[i, k]
+        z += f * stencil.dz[i, k]
+    if with_walls:
+        for k in range(stencil.unknown[i], stencil.count[i]):
+            inverse = stencil.inverse[i, k]
+            f = 2.0 * f_i * (r_e * inverse - 1.0) * inverse * inverse
+            x += f * stencil.dx[i, k]
+            y += f * stencil.dy[i, k]
+            z += f * stencil.dz[i, k]
     factor = stencil.dimension / stencil.number_density
     return factor * x, factor * y, factor * z
 
 
 @kernel
-def least_neighbor_value_at(i, values, reach, stencil):
+def least_neighbor_value_at(i, values, stencil):
     """Return ``min over j with w != 0 of (f_i, f_j)``."""
     least = values[i]
-    for k in range(stencil.count[i]):
-        j, _, _, _, r = neighbor(i, k, stencil)
-        if r < stencil.effective_radius and j < reach:
-            least = min(least, values[j])
+    for k in range(stencil.unknown[i]):
+        least = min(least, values[stencil.index[i, k]])
     return least
 
 
@@ -182,16 +285,15 @@ def divergence_at(i, velocity, stencil):
     ----------
     Khayyer & Gotoh 2009, doi:10.1016/j.coastaleng.2008.10.004.
     """
-    r_e = stencil.effective_radius
     total = 0.0
     for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r < r_e:
-            du = velocity[j, 0] - velocity[i, 0]
-            dv = velocity[j, 1] - velocity[i, 1]
-            dw = velocity[j, 2] - velocity[i, 2]
-            total += r_e / (r * r * r) * (dx * du + dy * dv + dz * dw)
-    return total / stencil.number_density
+        j = stencil.index[i, k]
+        total += stencil.inverse[i, k] ** 3 * (
+            stencil.dx[i, k] * (velocity[j, 0] - velocity[i, 0])
+            + stencil.dy[i, k] * (velocity[j, 1] - velocity[i, 1])
+            + stencil.dz[i, k] * (velocity[j, 2] - velocity[i, 2])
+        )
+    return stencil.effective_radius * total / stencil.number_density
 
 
 @kernel
@@ -200,9 +302,8 @@ def laplacian_at(i, values, stencil):
     r_e = stencil.effective_radius
     total = 0.0
     for k in range(stencil.count[i]):
-        j, _, _, _, r = neighbor(i, k, stencil)
-        if r < r_e:
-            total += (values[j] - values[i]) * (r_e / r - 1.0)
+        w = r_e * stencil.inverse[i, k] - 1.0
+        total += (values[stencil.index[i, k]] - values[i]) * w
     return 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density) * total
 
 
@@ -218,13 +319,10 @@ def higher_order_laplacian_at(i, values, stencil):
     ----------
     Khayyer & Gotoh 2010, doi:10.1016/j.apor.2010.01.001.
     """
-    r_e = stencil.effective_radius
     total = 0.0
     for k in range(stencil.count[i]):
-        j, _, _, _, r = neighbor(i, k, stencil)
-        if r < r_e:
-            total += (values[j] - values[i]) * r_e / (r * r * r)
-    return (5.0 - stencil.dimension) * total / stencil.number_density
+        total += (values[stencil.index[i, k]] - values[i]) * stencil.inverse[i, k] ** 3
+    return (5.0 - stencil.dimension) * stencil.effective_radius * total / stencil.number_density
 
 
 @kernel
@@ -238,16 +336,16 @@ def shear_rate_at(i, velocity, walls, stencil):
     xx, yy, zz = 0.0, 0.0, 0.0
     xy, xz, yz = 0.0, 0.0, 0.0
     for k in range(stencil.count[i]):
-        j, dx, dy, dz, r = neighbor(i, k, stencil)
-        if r < r_e:
-            du, dv, dw = velocity_difference(i, j, dx, dy, dz, velocity, walls, stencil.spacing)
-            f = (r_e / r - 1.0) / (r * r)
-            xx += f * du * dx
-            yy += f * dv * dy
-            zz += f * dw * dz
-            xy += f * (du * dy + dv * dx)
-            xz += f * (du * dz + dw * dx)
-            yz += f * (dv * dz + dw * dy)
+        du, dv, dw = velocity_difference(i, k, velocity, walls, stencil)
+        dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
+        inverse = stencil.inverse[i, k]
+        f = (r_e * inverse - 1.0) * inverse * inverse
+        xx += f * du * dx
+        yy += f * dv * dy
+        zz += f * dw * dz
+        xy += f * (du * dy + dv * dx)
+        xz += f * (du * dz + dw * dx)
+        yz += f * (dv * dz + dw * dy)
     factor = stencil.dimension / stencil.number_density
     return factor * np.sqrt(2.0 * (xx * xx + yy * yy + zz * zz) + xy * xy + xz * xz + yz * yz)
 

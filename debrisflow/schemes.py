@@ -18,7 +18,7 @@ from debrisflow.neighbors import Neighbors, order_by_cell
 from debrisflow.particles import Kind, Particles
 from debrisflow.rheology import DragLaw, Strength
 from debrisflow.state import State
-from debrisflow.system import System, empty_system
+from debrisflow.system import empty_system
 
 Floats = NDArray[np.float64]
 DIMENSION = 2
@@ -42,7 +42,7 @@ class SemiImplicit:
         Wall time by phase of the step.
     """
 
-    REFRESH = 20
+    REFRESH = 40
     """Steps after which particles are sorted and the multigrid hierarchy is built anew; a resumed
     run begins at such a step and so repeats the bits of an uninterrupted one."""
 
@@ -58,6 +58,7 @@ class SemiImplicit:
         self._set_operators(case.scheme)
         self._set_materials(case)
         self._observed_step = -1
+        self._stencil: operators.Stencil | None = None
 
     def _set_operators(self, scheme: tables.Scheme) -> None:
         symmetric = scheme.interface == "symmetric"
@@ -203,20 +204,13 @@ class SemiImplicit:
             self._near.build(p.position, p.unknown_count)
         elif self._near.is_stale(p.position, p.unknown_count):
             self._near.build(p.position, p.unknown_count)
-        shape = self._near.index.shape
-        if getattr(self, "_room", None) is None or self._room.index.shape != shape:
-            self._room = empty_system(*shape)
+        if self._stencil is None or self._stencil.index.shape != self._near.index.shape:
+            self._stencil = operators.empty_stencil(*self._near.index.shape, self.lattice)
+            self._room = empty_system(self._stencil.index)
+        self._stencil = self._stencil._replace(wall_from=p.inflow.stop)
         self._walls = boundary.wall_surface(p, self.case)
-        self._stencil = operators.Stencil(
-            p.position,
-            self._near.index,
-            self._near.count,
-            self.domain.period,
-            float(DIMENSION),
-            self.lattice.spacing,
-            self.lattice.effective_radius,
-            self.lattice.number_density,
-            self.lattice.laplacian_lambda,
+        operators.survey(
+            p.position, self.domain.period, self._near.index, self._near.count, self._stencil
         )
 
     def _observe_grains(self, p: Particles) -> None:
@@ -303,15 +297,13 @@ class SemiImplicit:
         return iterations
 
     def _correct(self, p: Particles, velocity: Floats, dt: float, solved: Floats) -> None:
-        m = p.unknown_count
         if self._conserves:
-            pressure.correct_by_sum(dt, solved, p.density, m, self._stencil, velocity[p.fluid])
+            pressure.correct(dt, solved, p.density, True, self._stencil, velocity[p.fluid])
         else:
-            least = np.empty(m)
+            least = np.empty(p.unknown_count)
             pressure.least_pressure(solved, self._stencil, least)
-            pressure.correct_by_cmps(
-                dt, solved[:m] - least, p.density, self._stencil, velocity[p.fluid]
-            )
+            excess = solved[: p.unknown_count] - least
+            pressure.correct(dt, excess, p.density, False, self._stencil, velocity[p.fluid])
 
     def _balance_grains(self, p: Particles) -> None:
         """Solve the static pressure between the grains of the bed."""
@@ -332,13 +324,12 @@ class SemiImplicit:
             np.maximum(p.grain_pressure, 0.0, out=p.grain_pressure)
 
     def _exchange_momentum(self, p: Particles, velocity: Floats, dt: float) -> Floats:
-        n = p.fluid_count
-        right = np.zeros((n, 3))
-        room = System(*(array[:n] for array in self._room))
+        right = np.zeros((p.unknown_count, 3))
         with self._clock("exchange of momentum"):
+            self._room.count[p.fluid_count :] = 0
             momentum.assemble_exchange(
                 dt,
-                p.unknown_count,
+                p.fluid_count,
                 velocity,
                 p.density,
                 self._viscosity[p.kind],
@@ -350,16 +341,16 @@ class SemiImplicit:
                 self._drag,
                 self._walls,
                 self._stencil,
-                room,
+                self._room,
                 right,
             )
             exchanged = velocity.copy()
             for axis, solver in enumerate(self._exchange_solvers):
-                room.right[:] = right[:, axis]
-                start = np.ascontiguousarray(velocity[p.fluid, axis])
-                if solver.solve(room, start) < 0:
+                self._room.right[:] = right[:, axis]
+                start = np.ascontiguousarray(velocity[: p.unknown_count, axis])
+                if solver.solve(self._room, start) < 0:
                     raise NotConvergedError("the exchange of momentum")
-                exchanged[p.fluid, axis] = start
+                exchanged[p.fluid, axis] = start[p.fluid]
         return exchanged
 
     def _rub(self, p: Particles, velocity: Floats, dt: float) -> Floats:

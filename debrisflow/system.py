@@ -35,11 +35,12 @@ class System(NamedTuple):
     right: Floats
 
 
-def empty_system(rows: int, capacity: int) -> System:
-    """Return a system of ``rows`` given zeros with room for ``capacity`` entries in a row."""
+def empty_system(index: Indices) -> System:
+    """Return a system of given zeros whose rows have the columns of ``index``."""
+    rows = index.shape[0]
     return System(
-        np.zeros((rows, capacity), dtype=np.int32),
-        np.zeros((rows, capacity)),
+        index,
+        np.zeros(index.shape),
         np.zeros(rows, dtype=np.int32),
         np.ones(rows),
         np.zeros(rows),
