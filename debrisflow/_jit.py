@@ -68,3 +68,11 @@ def set_threads(count: int) -> int:
     count = max(1, min(count, numba.config.NUMBA_NUM_THREADS))
     numba.set_num_threads(count)
     return count
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on macOS and Windows
+        return os.cpu_count() or 1

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import re
 from importlib.metadata import PackageNotFoundError, requires, version
 
 from debrisflow import __version__
-from debrisflow._jit import CACHE_DIRECTORY, THREADING_LAYER
+from debrisflow._jit import CACHE_DIRECTORY, THREADING_LAYER, cores
 
 
 def about() -> dict[str, str]:
@@ -39,11 +38,3 @@ def installed(name: str) -> str:
         return version(name)
     except PackageNotFoundError:
         return "not installed"
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on macOS and Windows
-        return os.cpu_count() or 1

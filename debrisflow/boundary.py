@@ -180,8 +180,6 @@ def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> 
     phases = state.left.size
     state.left += np.bincount(kind[gone & ~leaked], minlength=phases)
     state.through_wall += np.bincount(kind[leaked], minlength=phases)
-    kept = np.concatenate(
-        [np.nonzero(~gone)[0], np.arange(particles.fluid_count, particles.count)]
-    )
+    kept = np.concatenate([np.nonzero(~gone)[0], np.arange(particles.fluid_count, particles.count)])
     particles.take(kept)
     particles.fluid_count -= int(np.count_nonzero(gone))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from debrisflow.case import tables
 
 Floats = NDArray[np.float64]
+Cells = NDArray[np.int64]
 WALL_NAMES = ("floor", "bed", "left", "right", "ceiling")
 FLOOR, BED, LEFT, RIGHT, CEILING = range(len(WALL_NAMES))
 
@@ -156,7 +157,7 @@ def _lattice(i0: int, i1: int, j0: int, j1: int, d0: float) -> Floats:
     return np.column_stack([x.ravel() * d0, y.ravel() * d0, np.zeros(x.size)])
 
 
-def _tank_cells(case: tables.Case) -> tuple[Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
+def _tank_cells(case: tables.Case) -> tuple[Cells, Cells, Cells, NDArray[np.bool_]]:
     shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
     assert isinstance(shape, tables.Tank)
     width, height = _cells(shape.width, d0), _cells(shape.height, d0)
@@ -173,11 +174,13 @@ def _tank_cells(case: tables.Case) -> tuple[Floats, Floats, NDArray[np.int64], N
 
 def _channel_cells(
     case: tables.Case,
-) -> tuple[Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
+) -> tuple[Cells, Cells, Cells, NDArray[np.bool_]]:
     shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
     assert isinstance(shape, tables.Channel)
     assert shape.bed_end is not None
-    length, height, recess = (_cells(s, d0) for s in (shape.length, shape.height, shape.bed_thickness))
+    length, height, recess = (
+        _cells(s, d0) for s in (shape.length, shape.height, shape.bed_thickness)
+    )
     start, end = _cells(shape.bed_start, d0), _cells(shape.bed_end, d0)
     margin = 0 if shape.periodic else 2 * layers
     x = np.arange(-margin, length + margin)
@@ -216,7 +219,9 @@ def _distance_to_open(
     for a in reach:
         for b in reach:
             is_open = ~padded[layers + a : layers + a + nx, layers + b : layers + b + ny] & solid
-            gap = np.array([np.sign(a) * max(abs(a) - 0.5, 0), np.sign(b) * max(abs(b) - 0.5, 0), 0])
+            gap = np.array(
+                [np.sign(a) * max(abs(a) - 0.5, 0), np.sign(b) * max(abs(b) - 0.5, 0), 0]
+            )
             distance = float(np.hypot(gap[0], gap[1]))
             ring = max(abs(a), abs(b))
             layer[is_open & ((layer == 0) | (layer > ring))] = ring

@@ -6,9 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import prange
+from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
 from debrisflow.operators import shear_rate_at
+
+
+Floats = NDArray[np.float64]
 
 
 class Grains(NamedTuple):
@@ -178,12 +182,16 @@ def collision_force_at(i, fluid_count, velocity, fraction, pressure, viscosity, 
     return x, y, z
 
 
-def largest_collision_step(c, pressure, viscosity, grains, spacing):  # type: ignore[no-untyped-def]
+def largest_collision_step(
+    c: Floats, pressure: Floats, viscosity: Floats, grains: Grains, spacing: float
+) -> float:
     """Return the greatest stable time step of the explicit collision stress, s.
 
     0.2 d0 / c_s with ``c_s^2 = (P / rho_s) (2 + g0 / 3)``, and 0.2 d0^2 rho_s / mu_s.
     """
-    g0 = 1.0 / (1.0 - (np.minimum(c, grains.largest_concentration) / grains.packing_limit) ** (1 / 3))
+    g0 = 1.0 / (
+        1.0 - (np.minimum(c, grains.largest_concentration) / grains.packing_limit) ** (1 / 3)
+    )
     speed = np.sqrt(np.max(pressure / grains.density * (2.0 + g0 / 3.0), initial=0.0))
     diffusivity = np.max(viscosity, initial=0.0) / grains.density
     limits = [0.2 * spacing / speed if speed > 0.0 else np.inf]

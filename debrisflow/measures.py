@@ -59,11 +59,7 @@ def gravity_vector(case: tables.Case) -> Floats:
     >>> gravity_vector(Case(gravity=tables.Gravity(acceleration=10.0, slope=30.0))).round(3)
     array([ 5.  , -8.66,  0.  ])
     """
-    gravity = case.gravity
-    if gravity.vector is not None:
-        return np.array([*gravity.vector, 0.0])
-    slope = np.radians(gravity.slope)
-    return gravity.acceleration * np.array([np.sin(slope), -np.cos(slope), 0.0])
+    return np.array([*case.gravity.components, 0.0])
 
 
 def phase_fractions(case: tables.Case) -> Floats:

@@ -107,7 +107,11 @@ def exchange_row_at(
     factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * n0)
     mu_i = viscosity[i] + turbulent_viscosity(density[i], shear_rate[i], strength)
     diagonal = density[i]
-    x, y, z = (density[i] * velocity[i, 0], density[i] * velocity[i, 1], density[i] * velocity[i, 2])
+    x, y, z = (
+        density[i] * velocity[i, 0],
+        density[i] * velocity[i, 1],
+        density[i] * velocity[i, 2],
+    )
     for k in range(stencil.count[i]):
         j = stencil.index[i, k]
         w = r_e * stencil.inverse[i, k] - 1.0
@@ -116,7 +120,11 @@ def exchange_row_at(
         if j >= stencil.wall_from:
             if walls.slip[j] > 0.0:
                 continue
-            p = 0.5 * (grain_pressure[i] + grain_pressure[j]) if k < stencil.unknown[i] else grain_pressure[i]
+            p = (
+                0.5 * (grain_pressure[i] + grain_pressure[j])
+                if k < stencil.unknown[i]
+                else grain_pressure[i]
+            )
             mu = viscosity[i] if walls.roughness[j] > 0.0 else mu_i
             eta = mu + frictional_viscosity(p, c[i], shear_rate[i], strength)
             mirror = 1.0 + walls.depth[j] / wall_distance(i, k, walls, stencil)

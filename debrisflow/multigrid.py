@@ -55,11 +55,24 @@ class Hierarchy(NamedTuple):
     inverse: Floats
 
 
+_NO_ROWS = np.zeros(0, np.int64)
+_NO_COLUMNS = np.zeros(0, np.int32)
+_NO_VALUES = np.zeros(0)
 NO_HIERARCHY = Hierarchy(
-    *(np.zeros(1, np.int64), np.zeros(1, np.int64)),
-    *(np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0), np.zeros(0)),
-    *(np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0), np.zeros(1, np.int64)),
-    *(np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0), np.zeros((1, 1))),
+    size=np.zeros(1, np.int64),
+    first=np.zeros(1, np.int64),
+    matrix_start=_NO_ROWS,
+    matrix_index=_NO_COLUMNS,
+    matrix_value=_NO_VALUES,
+    diagonal=_NO_VALUES,
+    restrict_start=_NO_ROWS,
+    restrict_index=_NO_COLUMNS,
+    restrict_value=_NO_VALUES,
+    prolong_first=np.zeros(1, np.int64),
+    prolong_start=_NO_ROWS,
+    prolong_index=_NO_COLUMNS,
+    prolong_value=_NO_VALUES,
+    inverse=np.zeros((1, 1)),
 )
 
 
@@ -76,7 +89,9 @@ def hierarchy(system: System) -> Hierarchy:
     prolongs = [level.P.tocsr() for level in levels[:-1]]
     restricts = [p.T.tocsr() for p in prolongs]
     size = np.array([level.A.shape[0] for level in levels])
-    first = np.concatenate([[0, 0], np.cumsum(size[1:])[:-1]]) if size.size > 1 else np.zeros(1, int)
+    first = (
+        np.concatenate([[0, 0], np.cumsum(size[1:])[:-1]]) if size.size > 1 else np.zeros(1, int)
+    )
     prolong_first = np.concatenate([[0, 0], np.cumsum(size[:-1] + 1)[:-1]])[: size.size]
     inverse = np.linalg.pinv(levels[-1].A.toarray())
     diagonal = [m.diagonal() for m in matrices]
@@ -121,7 +136,9 @@ def _flat(matrices) -> tuple[NDArray[np.int64], Indices, Floats]:  # type: ignor
     if not matrices:
         return np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0)
     offsets = np.cumsum([0] + [m.nnz for m in matrices])
-    start = np.concatenate([m.indptr + offset for m, offset in zip(matrices, offsets, strict=False)])
+    start = np.concatenate(
+        [m.indptr + offset for m, offset in zip(matrices, offsets, strict=False)]
+    )
     index = np.concatenate([m.indices for m in matrices])
     value = np.concatenate([m.data for m in matrices])
     return start.astype(np.int64), index.astype(np.int32), value.astype(np.float64)

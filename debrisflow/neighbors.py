@@ -33,7 +33,9 @@ class Grid:
         extent = np.where(self.periodic, period, upper - lower)
         self.lower = np.where(self.periodic, 0.0, lower)
         self.shape = np.maximum(1, np.floor(extent / radius).astype(np.int64))
-        self.width = np.where(self.periodic, extent / self.shape, np.maximum(extent / self.shape, radius))
+        self.width = np.where(
+            self.periodic, extent / self.shape, np.maximum(extent / self.shape, radius)
+        )
 
     @property
     def cell_count(self) -> int:
@@ -98,7 +100,9 @@ def append_near(i, here, sorted_position, order, lower, upper, period, reach2, n
 
 
 @kernel
-def list_at(i, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index):
+def list_at(
+    i, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index
+):
     """Write the particles within reach of particle i into row i and return how many there are.
 
     A number greater than the row's length less one says that the list overflowed.
@@ -151,7 +155,9 @@ def _inverse(period):
 
 
 @loop
-def _list(position, sorted_position, order, start, cell, shape, periodic, period, reach2, index, count):
+def _list(
+    position, sorted_position, order, start, cell, shape, periodic, period, reach2, index, count
+):
     for i in prange(count.size):
         count[i] = list_at(
             i, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index

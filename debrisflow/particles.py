@@ -84,7 +84,7 @@ class Particles:
     @property
     def count(self) -> int:
         """Number of all particles."""
-        return self.position.shape[0]
+        return int(self.position.shape[0])
 
     @property
     def unknown_count(self) -> int:

@@ -112,11 +112,7 @@ def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interfa
         j = stencil.index[i, k]
         wet = wet or j < fluid_count
         a = r_e * stencil.inverse[i, k] ** 3
-        a *= (
-            mine
-            + interface.other / density[j]
-            + interface.mean * 2.0 / (density[i] + density[j])
-        )
+        a *= mine + interface.other / density[j] + interface.mean * 2.0 / (density[i] + density[j])
         diagonal += a
         system.value[i, k] = a
     asymmetric = np.sqrt(x * x + y * y + z * z) > surface.asymmetry * n0
@@ -129,7 +125,7 @@ def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interfa
         if i < fluid_count and n > surface.upper * n0:
             # near the surface the sums lack neighbors and do not tell disorder
             spread = stencil.dimension / n0 * (ax * bx + ay * by + az * bz)
-            diagonal += source.disorder * spread / density[i]
+            diagonal += source.disorder * max(spread, 0.0) / density[i]
         system.count[i] = stencil.unknown[i]
         system.diagonal[i] = diagonal
         system.right[i] = (
@@ -163,7 +159,7 @@ def correct(dt, pressure, density, with_walls, stencil, velocity):
 
     References
     ----------
-    Khayyer & Gotoh 2008, doi:10.1016/j.coastaleng.2007.10.004.
+    Khayyer & Gotoh 2008, doi:10.1142/S0578563408001788.
     """
     for i in prange(velocity.shape[0]):
         x, y, z = gradient_at(i, pressure, with_walls, stencil)

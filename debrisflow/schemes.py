@@ -13,7 +13,8 @@ from debrisflow import boundary, geometry, granular, momentum, operators, pressu
 from debrisflow.case import tables
 from debrisflow.errors import NotConvergedError
 from debrisflow.lattice import reference
-from debrisflow.linear import Solver
+from debrisflow.linear import Solver, remove_mean
+from debrisflow.measures import gravity_vector
 from debrisflow.neighbors import Neighbors, order_by_cell
 from debrisflow.particles import Kind, Particles
 from debrisflow.rheology import DragLaw, Strength
@@ -50,7 +51,7 @@ class SemiImplicit:
         self.case = case
         self.lattice = reference(DIMENSION, case.particles.effective_radius, case.particles.spacing)
         self.domain = geometry.domain(case)
-        self.gravity = np.array([*case.gravity.components, 0.0])
+        self.gravity = gravity_vector(case)
         self.seconds: dict[str, float] = {}
         self._near = Neighbors(
             self.lattice.effective_radius, self.lattice.spacing, self.domain.period
@@ -290,9 +291,13 @@ class SemiImplicit:
                 p.on_free_surface[:m],
             )
         with self._clock("pressure solution"):
+            no_surface = remove_mean(self._room)
             iterations = self._pressure_solver.solve(self._room, solved[:m])
         if iterations < 0:
             raise NotConvergedError("the pressure equation")
+        if no_surface:
+            # the pressure of a full, closed domain is known up to a constant
+            solved[:m] -= solved[:m].min()
         np.maximum(solved, 0.0, out=solved)
         return iterations
 

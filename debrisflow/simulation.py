@@ -6,7 +6,6 @@ import logging
 import platform
 from importlib.metadata import version
 from math import ceil
-from os import sched_getaffinity
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 from tqdm import tqdm
 
 from debrisflow import checkpoint
-from debrisflow._jit import THREADING_LAYER, set_threads
+from debrisflow._jit import THREADING_LAYER, cores, set_threads
 from debrisflow.case import load_case, tables
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.history import history_row
@@ -78,9 +77,8 @@ class _Run:
     ) -> None:
         self.case, self.results, self.state = case, results, state
         self.scheme = SemiImplicit(case)
-        cores = len(sched_getaffinity(0))
         useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
-        self.threads = set_threads(threads or min(cores, useful))
+        self.threads = set_threads(threads or min(cores(), useful))
         start, end, output = -case.time.relaxation, case.time.end, case.output
         assert output.deposit_interval is not None
         assert output.history_interval is not None

@@ -108,7 +108,9 @@ def growth(results: dict[str, dict[str, dict[str, object]]], threads: str) -> fl
 @click.option("--json", "as_json", is_flag=True, help="Print JSON only.")
 def main(names: tuple[str, ...], threads: str, repeats: int, as_json: bool) -> None:
     """Measure NAMES (dam2d_20k if none is given)."""
-    wanted = [n for name in names or ("dam2d_20k",) for n in (SWEEP if name == "sweep" else (name,))]
+    wanted = [
+        n for name in names or ("dam2d_20k",) for n in (SWEEP if name == "sweep" else (name,))
+    ]
     known = {*SPACING, *(f"{name}_late" for name in SPACING)}
     if unknown := set(wanted) - known:
         raise click.UsageError(f"unknown: {', '.join(unknown)}; known: {', '.join(sorted(known))}")

@@ -119,7 +119,10 @@ class Wall(Table):
     slip: Literal["no-slip", "free-slip"] = quantity(NONE, "condition along the wall", "no-slip")
     velocity: Vector = quantity("m/s", "velocity of the wall along itself", (0.0, 0.0))
     roughness: float = quantity(
-        "m", "equivalent sand roughness of the law of the wall; 0 for no turbulent friction", 0.0, ge=0
+        "m",
+        "equivalent sand roughness of the law of the wall; 0 for no turbulent friction",
+        0.0,
+        ge=0,
     )
 
 

@@ -1,0 +1,172 @@
+"""Patches of particles, stencils and small cases that several tests build."""
+
+import numpy as np
+
+from debrisflow import momentum, operators
+from debrisflow.case import Case
+from debrisflow.case.defaults import complete
+from debrisflow.lattice import reference
+from debrisflow.neighbors import Neighbors
+from debrisflow.particles import blank
+from debrisflow.rheology import DragLaw, Strength
+from debrisflow.schemes import SemiImplicit
+from debrisflow.state import initial_state
+from debrisflow.system import empty_system
+
+NOWHERE = np.zeros(3)  # periods of a domain that does not repeat
+RADII = [(2, 3.1), (2, 2.1), (3, 2.4), (3, 2.1)]  # dimension, influence radius in spacings
+NO_STRENGTH = Strength(0.0, 0.0, 0.10, 0.25, 0.005, 5e4)
+WATER_DRAG = DragLaw(1.0, 0.003, 1000.0, 1e-3, 0.55)
+NO_DRAG = WATER_DRAG._replace(strength=0.0)
+
+
+def lattice_block(dimension, counts, spacing=1.0):
+    """Return the points of a block of cells from the origin, 0 along axes beyond the dimension."""
+    axes = [np.arange(n) + 0.5 for n in np.broadcast_to(counts, dimension)]
+    points = np.zeros((np.prod([a.size for a in axes]), 3))
+    for axis, values in enumerate(np.meshgrid(*axes, indexing="ij")):
+        points[:, axis] = spacing * values.ravel()
+    return points
+
+
+def random_patch(dimension, count, rng, length=1.0):
+    """Return particles anywhere in a cube, 0 along axes beyond the dimension."""
+    position = np.zeros((count, 3))
+    position[:, :dimension] = rng.uniform(0.0, length, (count, dimension))
+    return position
+
+
+def stencil_of(position, lattice, rows=None, period=NOWHERE, wall_from=None, near=None):
+    """Return the stencil of the first ``rows`` particles, all by default.
+
+    Walls are the particles from ``wall_from`` on; a neighbor list is built unless one is given.
+    """
+    rows = len(position) if rows is None else rows
+    if near is None:
+        near = Neighbors(lattice.effective_radius, lattice.spacing, period)
+        near.build(position, rows)
+    stencil = operators.empty_stencil(*near.index.shape, lattice)
+    operators.survey(position, period, near.index, near.count, stencil)
+    return stencil._replace(wall_from=rows if wall_from is None else wall_from)
+
+
+def center_of_block(dimension, radius, spacing=1.0):
+    """Return positions and stencil of a block of lattice, and its central particle.
+
+    The block is wide enough that the neighbors of the central particle have all of theirs.
+    """
+    position = lattice_block(dimension, 4 * int(radius) + 1, spacing)
+    return position, stencil_of(position, reference(dimension, radius, spacing)), len(position) // 2
+
+
+def separations(position, period=NOWHERE):
+    """Return ``r_j - r_i`` of every pair, through the nearest image."""
+    between = position[None, :, :] - position[:, None, :]
+    repeat = np.where(period > 0.0, period, 1.0)
+    return between - np.where(period > 0.0, repeat * np.rint(between / repeat), 0.0)
+
+
+def within(position, radius, period=NOWHERE):
+    """Return the (n, n) matrix that is 1 where two particles are nearer than the radius."""
+    near = np.sum(separations(position, period) ** 2, axis=2) < radius**2
+    return (near & ~np.eye(len(position), dtype=bool)).astype(int)
+
+
+def times_listed(index, count, particles):
+    """Return the (rows, n) matrix of how often each particle stands in each row of a list."""
+    times = np.zeros((count.size, particles), dtype=int)
+    for i, listed in enumerate(count):
+        np.add.at(times[i], index[i, :listed], 1)
+    return times
+
+
+def no_walls(particles):
+    """Return the wall surface of particles among which there is no wall."""
+    rest = blank(particles)
+    return operators.WallSurface(
+        rest.wall_normal, rest.wall_depth, np.zeros(particles), np.zeros(particles)
+    )
+
+
+def exchange_system(stencil, velocity, fraction, dt, strength=NO_STRENGTH, drag=NO_DRAG, **fields):
+    """Return system and right side of the implicit exchange of momentum, and the densities.
+
+    All particles are fluid, water or sediment; fields that are not given are 0.
+    """
+    count = len(velocity)
+    names = ("viscosity", "c", "shear_rate", "grain_pressure")
+    viscosity, c, shear_rate, grain_pressure = (fields.get(n, np.zeros(count)) for n in names)
+    density = 1000.0 + 1650.0 * fraction
+    system, right = empty_system(stencil.index), np.zeros((count, 3))
+    momentum.assemble_exchange(
+        dt, count, velocity, density, viscosity, fraction, c, shear_rate, grain_pressure,
+        strength, drag, no_walls(count), stencil, system, right,
+    )  # fmt: skip
+    return system, right, density
+
+
+def tank_case(columns, rows, material, tank=None, spacing=0.01, **tables):
+    """Return a case: a block in the left corner of a tank whose size is given in spacings."""
+    width, height = tank or (columns, 2 * rows)
+    block = {"type": "block", "x": [0.0, columns * spacing], "y": [0.0, rows * spacing]}
+    tables = {"time": {"end": 1.0}, "output": {"interval": 1.0}} | tables
+    return complete(
+        Case(
+            title="tank",
+            particles={"spacing": spacing},
+            geometry={"type": "tank", "width": width * spacing, "height": height * spacing},
+            fill=[block | {"material": material}],
+            **tables,
+        )
+    )
+
+
+def bed_case(**tables):
+    """Return a case in which everything acts: a supply of water and sediment runs over a bed."""
+    tables = {"time": {"end": 1.0}, "output": {"interval": 1.0}} | tables
+    return complete(
+        Case(
+            title="bed",
+            particles={"spacing": 0.02},
+            gravity={"slope": 15.0},
+            geometry={
+                "type": "channel",
+                "length": 1.0,
+                "height": 0.4,
+                "bed_start": 0.2,
+                "bed_thickness": 0.1,
+            },
+            fill=[{"type": "bed"}],
+            inflow={"depth": 0.04, "velocity": 1.0, "concentration": 0.2},
+            collision_stress={"enabled": True},
+            drag={"law": "gidaspow"},
+            strength={"law": "coulomb", "mixing_length": 0.006},
+            **tables,
+        )
+    )
+
+
+def started(case):
+    """Return scheme and state of a case before its first step."""
+    return SemiImplicit(case), initial_state(case)
+
+
+def advance(scheme, state, steps=None, until=np.inf):
+    """Take a number of steps, or those up to a time, and return the state."""
+    last = np.inf if steps is None else state.step + steps
+    while state.step < last and state.time < until:
+        dt = min(scheme.stable_dt(state), until - state.time)
+        scheme.step(state, dt)
+        state.time += dt
+        state.step += 1
+    return state
+
+
+def momentum_of(particles):
+    """Return the momentum of the fluid in particle volumes, kg/m3 m/s."""
+    return particles.density[particles.fluid] @ particles.velocity[particles.fluid]
+
+
+def energy_of(density, velocity):
+    """Return the kinetic energy of particles in particle volumes, J/m3."""
+    return 0.5 * float(density @ np.sum(velocity**2, axis=1))

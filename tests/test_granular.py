@@ -1,0 +1,232 @@
+"""Grains: closed forms of kinetic theory, concentration, and the pressure between grains."""
+
+import numpy as np
+import pytest
+
+from debrisflow import granular
+from debrisflow.granular import Grains
+from debrisflow.lattice import reference
+from debrisflow.linear import Solver
+from debrisflow.system import empty_system
+from tests.building import (
+    NOWHERE,
+    RADII,
+    center_of_block,
+    no_walls,
+    random_patch,
+    started,
+    stencil_of,
+    tank_case,
+)
+
+GRAINS = Grains(2650.0, 0.003, 0.7, 0.55, 0.5, True)
+SUBMERGED, GRAVITY = 1650.0, np.array([0.0, -9.81, 0.0])
+SPACING, BED_ROWS = 0.01, 10
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(31)
+
+
+def test_radial_distribution_follows_equation_11():
+    # (C / C*)^(1/3) = 1/2, 0.9 and 0
+    assert granular.radial_distribution(0.55 / 8, 0.55) == pytest.approx(2.0, rel=1e-14)
+    assert granular.radial_distribution(0.55 * 0.9**3, 0.55) == pytest.approx(10.0, rel=1e-13)
+    assert granular.radial_distribution(0.0, 0.55) == 1.0
+
+
+def test_collision_stress_follows_equation_10():
+    c = 0.55 / 8  # g0 = 2
+    pressure = 2.0 * 2650.0 * c**2 * 2.0 * 1.7 * 0.09
+    viscosity = 0.8 * c**2 * 0.003 * 2650.0 * 2.0 * 1.7 * 0.3 / np.sqrt(np.pi)
+    assert granular.granular_pressure(c, 0.09, GRAINS) == pytest.approx(pressure, rel=1e-13)
+    assert granular.granular_viscosity(c, 0.09, GRAINS) == pytest.approx(viscosity, rel=1e-13)
+
+
+def test_collision_stress_grows_with_concentration_and_temperature():
+    concentrations, temperatures = np.linspace(0.0, 0.549, 40), np.geomspace(1e-8, 1.0, 20)
+    for law in (granular.granular_pressure, granular.granular_viscosity):
+        table = np.array([[law(c, t, GRAINS) for t in temperatures] for c in concentrations])
+        assert np.all(table[0] == 0.0)
+        assert np.all(np.diff(table, axis=0) > 0)
+        assert np.all(np.diff(table[1:], axis=1) > 0)
+        assert law(0.3, 0.0, GRAINS) == 0.0
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.7, 0.95])
+def test_plane_shear_has_the_stress_ratio_of_kinetic_theory(restitution):
+    grains = GRAINS._replace(restitution=restitution)
+    for c, rate in ((0.1, 3.0), (0.5, 200.0)):
+        temperature = granular.algebraic_temperature(rate, grains)
+        assert temperature == pytest.approx((0.003 * rate) ** 2 / (15 * (1 - restitution)))
+        stress = granular.granular_viscosity(c, temperature, grains) * rate
+        ratio = stress / granular.granular_pressure(c, temperature, grains)
+        assert ratio == pytest.approx(0.4 * np.sqrt(15 * (1 - restitution) / np.pi), rel=1e-13)
+
+
+@pytest.mark.parametrize(("dimension", "radius"), RADII)
+def test_uniform_shear_looks_like_temperature(dimension, radius):
+    position, stencil, i = center_of_block(dimension, radius)
+    count = len(position)
+    velocity = np.zeros((count, 3))
+    velocity[:, 0] = 5.0 + 4.0 * position[:, 1]
+    found = granular.neighborhood_temperature_at(i, count, velocity, np.ones(count), stencil)
+    near = np.linalg.norm(position - position[i], axis=1) < radius
+    height = position[near, 1] - position[i, 1]
+    expected = 4.0**2 * np.mean(height**2) / dimension
+    # differences of squares of 25 m2/s2 each
+    assert found == pytest.approx(expected, rel=1e-12)
+    # of a disk or a ball of that radius it would be shear^2 r_e^2 / 8 or / 15
+    assert found == pytest.approx(4.0**2 * radius**2 / {2: 8, 3: 15}[dimension], rel=0.35)
+
+
+@pytest.mark.parametrize(("dimension", "radius"), RADII)
+def test_uniform_motion_has_no_temperature(dimension, radius, rng):
+    position = random_patch(dimension, 200, rng, length=8.0)
+    stencil = stencil_of(position, reference(dimension, radius, 1.0))
+    velocity = np.tile([3.7, -1.3, 0.0], (200, 1))
+    for i in range(200):
+        found = granular.neighborhood_temperature_at(i, 200, velocity, np.ones(200), stencil)
+        assert 0.0 <= found < 1e-14 * 3.7**2 * 200  # a rounding of each square
+
+
+def test_only_grains_have_a_temperature(rng):
+    position = random_patch(2, 100, rng, length=6.0)
+    stencil = stencil_of(position, reference(2, 3.1, 1.0))
+    velocity = random_patch(2, 100, rng)
+    fraction = np.where(np.arange(100) % 3 == 0, 1.0, 0.0)
+    velocity[fraction > 0] = [1.0, 2.0, 0.0]
+    found = granular.neighborhood_temperature_at(0, 100, velocity, fraction, stencil)
+    assert found < 1e-13  # water moves at random, grains as one
+
+
+@pytest.mark.parametrize("algebraic", [True, False])
+def test_collision_state_is_that_of_the_clipped_concentration(rng, algebraic):
+    grains = GRAINS._replace(algebraic=algebraic)
+    position = random_patch(2, 150, rng, length=8.0)
+    stencil = stencil_of(position, reference(2, 3.1, 1.0))
+    velocity = random_patch(2, 150, rng)
+    fraction = rng.choice([0.0, 0.5, 1.0], 150)
+    c = rng.uniform(0.0, 0.9, 150)
+    temperature, pressure, viscosity = np.full((3, 150), np.nan)
+    granular.collision_state(
+        150, velocity, fraction, c, no_walls(150), grains, stencil, temperature, pressure, viscosity
+    )
+    is_water = fraction == 0.0
+    for values in (temperature, pressure, viscosity):
+        assert np.all(values[is_water] == 0.0)
+        assert np.all(values[~is_water] > 0.0)
+    for i in np.nonzero(~is_water)[0]:
+        clipped, t = min(c[i], 0.5), temperature[i]
+        assert pressure[i] == pytest.approx(granular.granular_pressure(clipped, t, grains))
+        assert viscosity[i] == pytest.approx(granular.granular_viscosity(clipped, t, grains))
+
+
+def test_the_collision_step_is_that_of_sound_or_of_diffusion():
+    c, none = np.array([0.9, 0.55 / 8]), np.zeros(2)
+    grains = GRAINS._replace(largest_concentration=0.55 / 8)  # g0 = 2
+    sound = np.sqrt(100.0 / 2650.0 * (2.0 + 2.0 / 3.0))
+    step = granular.largest_collision_step
+    assert step(c, np.array([100.0, 1.0]), none, grains, 0.01) == pytest.approx(0.002 / sound)
+    diffusion = 0.2 * 0.01**2 * 2650.0 / 50.0
+    assert step(c, none, np.array([1.0, 50.0]), grains, 0.01) == pytest.approx(diffusion)
+    assert step(c, none, none, grains, 0.01) == np.inf
+    assert step(c[:0], none[:0], none[:0], grains, 0.01) == np.inf
+
+
+@pytest.mark.parametrize(("dimension", "radius"), RADII)
+def test_concentration_is_a_mean(dimension, radius, rng):
+    position = random_patch(dimension, 300, rng, length=8.0)
+    stencil = stencil_of(position, reference(dimension, radius, 1.0))
+    c = np.empty(300)
+    granular.concentration(300, np.full(300, 0.37), stencil, c)
+    np.testing.assert_allclose(c, 0.37, rtol=1e-13)  # also at the rim: walls and air do not count
+    fraction = rng.choice([0.0, 1.0], 300)
+    granular.concentration(300, fraction, stencil, c)
+    assert c.min() >= 0.0
+    assert c.max() <= 1.0
+    smooth = np.empty(300)
+    granular.concentration(300, c, stencil, smooth)
+    assert np.std(smooth) < np.std(c) < np.std(fraction)
+
+
+def test_concentration_counts_the_fluid_in_reach_by_weight():
+    # sediment beside water at r_e / 2, so that w = 1, and a wall that does not count
+    position = np.array([[0.0, 0.0, 0.0], [1.55, 0.0, 0.0], [0.5, 0.0, 0.0]])
+    stencil = stencil_of(position, reference(2, 3.1, 1.0), wall_from=2)
+    c = np.empty(2)
+    granular.concentration(2, np.array([1.0, 0.0, 0.0]), stencil, c)
+    np.testing.assert_allclose(c, [2.0 / 3.0, 1.0 / 3.0], rtol=1e-14)
+
+
+def balanced_bed(water_rows):
+    """Return height of and grain pressure on the fluid of a flat bed, C = 0.5, under water."""
+    rows = BED_ROWS + water_rows
+    scheme, state = started(tank_case(15, rows, "mixture", (15, rows + 5), SPACING))
+    p = state.particles
+    height = p.position[p.fluid, 1]
+    c = np.where(height < BED_ROWS * SPACING, 0.5, 0.0)
+    is_surface = np.zeros(p.unknown_count, dtype=bool)
+    is_surface[p.fluid] = height > (rows - 1) * SPACING
+    stencil = stencil_of(p.position, scheme.lattice, p.unknown_count, wall_from=p.fluid_count)
+    system = empty_system(stencil.index)
+    granular.assemble_grain_pressure(
+        p.fluid_count, c, is_surface, SUBMERGED, GRAVITY, stencil, system
+    )
+    solution = np.zeros(p.unknown_count)
+    assert Solver(1e-12).solve(system, solution) > 0
+    return height, solution[p.fluid]
+
+
+def test_grains_of_a_flat_bed_carry_its_submerged_weight():
+    height, found = balanced_bed(water_rows=0)
+    depth = BED_ROWS * SPACING - height
+    # the surface row is given at its half row's weight, so that the lattice is exact
+    np.testing.assert_allclose(found, 0.5 * SUBMERGED * 9.81 * depth, rtol=1e-9)
+
+
+def test_water_on_the_bed_adds_nothing_to_the_pressure_between_grains():
+    _, bare = balanced_bed(water_rows=0)
+    height, shallow = balanced_bed(water_rows=5)
+    _, deep = balanced_bed(water_rows=12)
+    is_floor = np.isclose(height, 0.5 * SPACING)
+    # the jump of C under water costs less than a tenth of a row
+    np.testing.assert_allclose(shallow[is_floor], bare[: is_floor.sum()].max(), rtol=0.01)
+    # water rows follow the bed's in each column; p = 0 in them
+    in_bed = [p.reshape(15, -1)[:, :BED_ROWS] for p in (shallow, deep)]
+    np.testing.assert_allclose(*in_bed, rtol=1e-9)
+    for p in (shallow, deep):
+        assert not p.reshape(15, -1)[:, BED_ROWS:].any()
+
+
+@pytest.mark.parametrize(("dimension", "radius"), RADII)
+def test_a_linear_grain_pressure_is_exact_on_any_arrangement(rng, dimension, radius):
+    position = random_patch(dimension, 400, rng, length=1.0)
+    spacing = 400 ** (-1.0 / dimension)
+    stencil = stencil_of(position, reference(dimension, radius, spacing))
+    gravity = np.array([3.0, -9.0, 0.0])
+    expected = 2000.0 + 0.4 * SUBMERGED * position @ gravity
+    is_given = rng.random(400) < 0.1
+    system = empty_system(stencil.index)
+    c = np.full(400, 0.4)
+    granular.assemble_grain_pressure(400, c, is_given, SUBMERGED, gravity, stencil, system)
+    assert np.all(system.count[is_given] == 0)
+    system.right[is_given] = expected[is_given]
+    found = np.zeros(400)
+    assert Solver(1e-13).solve(system, found) > 0
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
+
+
+def test_without_grains_or_gravity_there_is_no_grain_pressure(rng):
+    position = random_patch(2, 200, rng, length=8.0)
+    stencil = stencil_of(position, reference(2, 3.1, 1.0))
+    system = empty_system(stencil.index)
+    is_surface = np.arange(200) < 20
+    for c, gravity in ((0.079, GRAVITY), (0.5, NOWHERE)):
+        granular.assemble_grain_pressure(
+            200, np.full(200, c), is_surface, SUBMERGED, gravity, stencil, system
+        )
+        found = np.zeros(200)
+        assert Solver(1e-10).solve(system, found) == 0
+        assert not found.any()

@@ -1,0 +1,191 @@
+"""Neighbor lists against all pairs, and the stencil that is surveyed from them."""
+
+import numpy as np
+import pytest
+
+from debrisflow.lattice import reference
+from debrisflow.neighbors import SKIN, Neighbors, order_by_cell
+from tests.building import (
+    NOWHERE,
+    lattice_block,
+    random_patch,
+    separations,
+    stencil_of,
+    times_listed,
+    within,
+)
+
+RADIUS, SPACING = 3.1, 1.0
+REACH = RADIUS + SKIN * SPACING
+LENGTH = 12.0  # a little more than three reaches, the least for a period
+PERIODS = [
+    (2, NOWHERE),
+    (3, NOWHERE),
+    (2, np.array([LENGTH, 0.0, 0.0])),
+    (2, np.array([0.0, LENGTH, 0.0])),
+    (2, np.array([LENGTH, LENGTH, 0.0])),
+    (3, np.array([0.0, 0.0, LENGTH])),
+    (3, np.array([LENGTH, 0.0, LENGTH])),
+    (3, np.array([LENGTH, LENGTH, LENGTH])),
+]
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(5)
+
+
+def built(position, period=NOWHERE, rows=None):
+    """Return the neighbor list of the first ``rows`` particles."""
+    near = Neighbors(RADIUS, SPACING, period)
+    near.build(position, len(position) if rows is None else rows)
+    return near
+
+
+def is_all_pairs(near, position, period=NOWHERE):
+    """Return whether a list holds each pair within reach once and nothing else."""
+    listed = times_listed(near.index, near.count, len(position))
+    return np.array_equal(listed, within(position, REACH, period)[: near.count.size])
+
+
+@pytest.mark.parametrize(("dimension", "period"), PERIODS)
+@pytest.mark.parametrize("count", [1, 2, 700])
+def test_the_list_holds_all_pairs_in_reach(rng, dimension, period, count):
+    position = random_patch(dimension, count, rng, LENGTH)
+    assert is_all_pairs(built(position, period), position, period)
+
+
+@pytest.mark.parametrize(("dimension", "period"), PERIODS)
+def test_particles_on_cell_faces_are_found(dimension, period):
+    # three cells along each axis, particles on every face, edge and corner
+    position = LENGTH / 6 * (lattice_block(dimension, 7) - 0.5)
+    position[:, dimension:] = 0.0
+    assert is_all_pairs(built(position, period), position, period)
+    beside = np.concatenate([np.nextafter(position, -1.0), np.nextafter(position, LENGTH)])
+    assert is_all_pairs(built(beside, period), beside, period)
+
+
+def test_particles_outside_the_period_are_found_through_it(rng):
+    period = np.array([LENGTH, LENGTH, 0.0])
+    position = random_patch(2, 400, rng, LENGTH)
+    away = position + period * rng.integers(-3, 4, (400, 3))
+    assert is_all_pairs(built(away, period), away, period)
+
+
+def test_particles_far_away_do_not_hide_the_others(rng):
+    position = random_patch(2, 300, rng, LENGTH)
+    position[7] = [2000.0, -1500.0, 0.0]
+    near = built(position)
+    assert is_all_pairs(near, position)
+    assert near.count[7] == 0
+
+
+def test_coincident_particles_are_neighbors_of_each_other(rng):
+    position = random_patch(2, 200, rng, LENGTH)
+    position[50:60] = position[3]
+    assert is_all_pairs(built(position), position)
+
+
+@pytest.mark.parametrize("crowd", [9, 128, 129, 400])
+def test_a_row_that_overflows_is_made_longer(rng, crowd):
+    sparse = random_patch(2, crowd, rng, 1000.0)
+    near = built(sparse)
+    narrow = near.index.shape[1]
+    dense = random_patch(2, crowd, rng, 2.0)
+    near.build(dense, crowd)
+    assert narrow <= crowd - 1 < near.index.shape[1]
+    assert is_all_pairs(near, dense)
+
+
+def test_rows_are_those_of_the_first_particles(rng):
+    position = random_patch(2, 300, rng, LENGTH)
+    near = built(position, rows=120)
+    assert near.count.size == 120
+    assert is_all_pairs(near, position)
+
+
+@pytest.mark.parametrize(("dimension", "period"), PERIODS)
+def test_nobody_is_missed_before_half_the_skin_is_passed(rng, dimension, period):
+    lattice = reference(dimension, RADIUS, SPACING)
+    position = random_patch(dimension, 500, rng, LENGTH)
+    near = built(position, period)
+    shift = rng.normal(size=position.shape)
+    shift[:, dimension:] = 0.0
+    shift *= 0.499 * SKIN * SPACING / np.linalg.norm(shift, axis=1, keepdims=True)
+    moved = position + shift
+    assert not near.is_stale(moved, 500)
+    stencil = stencil_of(moved, lattice, period=period, near=near)
+    listed = times_listed(stencil.index, stencil.count, 500)
+    assert np.array_equal(listed, within(moved, RADIUS, period))
+
+
+def test_a_list_is_stale_when_one_particle_passed_half_the_skin(rng):
+    position = random_patch(3, 100, rng, LENGTH)
+    near = built(position)
+    assert not near.is_stale(position.copy(), 100)
+    for distance, stale in ((0.499, False), (0.501, True)):
+        moved = position.copy()
+        moved[99] += distance * SKIN * SPACING * np.array([2.0, -1.0, 2.0]) / 3.0
+        assert near.is_stale(moved, 100) == stale
+
+
+def test_a_list_is_stale_when_the_number_of_particles_or_rows_changes(rng):
+    position = random_patch(2, 100, rng, LENGTH)
+    near = built(position, rows=80)
+    assert not near.is_stale(position, 80)
+    assert near.is_stale(position[:99], 80)
+    assert near.is_stale(np.concatenate([position, position[:1] + 1.0]), 80)
+    assert near.is_stale(position, 79)
+    assert near.is_stale(position, 81)
+
+
+@pytest.mark.parametrize(("dimension", "period"), PERIODS)
+def test_the_stencil_holds_the_geometry_of_each_pair(rng, dimension, period):
+    lattice = reference(dimension, RADIUS, SPACING)
+    position = random_patch(dimension, 300, rng, LENGTH)
+    stencil = stencil_of(position, lattice, period=period)
+    between = separations(position, period)
+    for i, count in enumerate(stencil.count):
+        j = stencil.index[i, :count]
+        found = np.stack([stencil.dx[i, :count], stencil.dy[i, :count], stencil.dz[i, :count]], 1)
+        # differences of positions of order 10 and one period
+        np.testing.assert_allclose(found, between[i, j], atol=1e-14)
+        r = np.linalg.norm(between[i, j], axis=1)
+        np.testing.assert_allclose(stencil.inverse[i, :count] * r, 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("dimension", "period"), PERIODS)
+def test_separations_of_a_pair_are_opposite_to_the_bit(rng, dimension, period):
+    position = random_patch(dimension, 300, rng, LENGTH)
+    position[20:23] = position[4]  # no direction of their own
+    stencil = stencil_of(position, reference(dimension, RADIUS, SPACING), period=period)
+    tables = np.zeros((4, 300, 300))
+    for i, count in enumerate(stencil.count):
+        j = stencil.index[i, :count]
+        for table, values in zip(tables, (stencil.dx, stencil.dy, stencil.dz), strict=False):
+            table[i, j] = values[i, :count]
+        tables[3, i, j] = stencil.inverse[i, :count]
+    for table in tables[:3]:
+        assert np.array_equal(table, -table.T)
+    assert np.array_equal(tables[3], tables[3].T)
+    assert np.all(np.isfinite(tables))
+    assert tables[3, 20, 4] == pytest.approx(1e6 / SPACING)  # kept apart by 1e-6 d0
+
+
+def test_neighbors_that_carry_a_pressure_stand_first(rng):
+    position = random_patch(2, 400, rng, LENGTH)
+    rows = 250
+    stencil = stencil_of(position, reference(2, RADIUS, SPACING), rows=rows)
+    for i, (unknown, count) in enumerate(zip(stencil.unknown, stencil.count, strict=True)):
+        assert np.all(stencil.index[i, :unknown] < rows)
+        assert np.all(stencil.index[i, unknown:count] >= rows)
+    listed = times_listed(stencil.index, stencil.count, 400)
+    assert np.array_equal(listed, within(position, RADIUS)[:rows])
+
+
+def test_order_by_cell_is_a_permutation_that_joins_cells(rng):
+    position = random_patch(2, 500, rng, LENGTH)
+    order = order_by_cell(position, SPACING)
+    assert np.array_equal(np.sort(order), np.arange(500))
+    cell = np.floor((position[order] - position.min(axis=0)) / SPACING) @ [100.0, 1.0, 0.0]
+    assert np.all(np.diff(cell) >= 0)

@@ -1,0 +1,275 @@
+"""The step and the run: conservation, the same bits, no compilation twice."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+
+from debrisflow import boundary, checkpoint, simulation
+from debrisflow._jit import CACHE_DIRECTORY, set_threads
+from debrisflow.lattice import reference
+from debrisflow.linear import Solver
+from debrisflow.rheology import drag_coefficient
+from tests.building import (
+    WATER_DRAG,
+    advance,
+    bed_case,
+    energy_of,
+    exchange_system,
+    lattice_block,
+    momentum_of,
+    no_walls,
+    started,
+    stencil_of,
+    tank_case,
+)
+from tests.test_checkpoint import identical
+
+compiled = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="takes minutes without the JIT")
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(41)
+
+
+def dropped(rng, **tables):
+    """Return scheme and state of a mix in the middle of a tall tank, with random velocities."""
+    scheme, state = started(tank_case(12, 12, "mix", (40, 120), **tables))
+    p = state.particles
+    p.position[p.fluid, :2] += [0.14, 0.90]
+    p.velocity[p.fluid, :2] = rng.uniform(-0.05, 0.05, (p.fluid_count, 2))
+    return scheme, state
+
+
+def drift_of_a_drop(scheme, state, until):
+    """Return how much of the momentum that gravity gives is found too much or too little."""
+    before, mass = (
+        momentum_of(state.particles),
+        state.particles.density[state.particles.fluid].sum(),
+    )
+    advance(scheme, state, until=until)
+    expected = before + mass * scheme.gravity * state.time
+    return np.abs(momentum_of(state.particles) - expected).max() / np.abs(expected).max()
+
+
+@compiled
+@pytest.mark.parametrize(
+    "tables",
+    [{}, {"scheme": {"form": "study"}}, {"collision_stress": {"enabled": True}}],
+    ids=["stable", "study", "collision-stress"],
+)
+def test_a_free_drop_gains_the_momentum_of_gravity_alone(rng, tables):
+    scheme, state = dropped(rng, **tables)
+    # rounding of 100 steps; the forces between particles act: they stop the noise
+    assert drift_of_a_drop(scheme, state, until=0.1) < 1e-12
+    p = state.particles
+    assert p.fluid_count == 144
+    assert p.position[p.fluid, 1].min() > 0.8
+    noise = p.velocity[p.fluid] + [0.0, 9.81 * state.time, 0.0]
+    assert np.abs(noise).mean() < 0.7 * 0.025
+
+
+@compiled
+@pytest.mark.xfail(strict=True, reason="the residual of the implicit exchange carries momentum")
+@pytest.mark.parametrize(
+    "tables",
+    [{"drag": {"law": "gidaspow"}}, {"strength": {"law": "coulomb"}}],
+    ids=lambda t: [*t][0],
+)
+def test_a_free_drop_with_implicit_forces_gains_the_momentum_of_gravity_alone(rng, tables):
+    assert drift_of_a_drop(*dropped(rng, **tables), until=0.1) < 1e-12
+
+
+def collided(position, velocity, density, restitution, walls=None, wall_from=None):
+    """Return velocities after the collisions of particles with the spacing 1."""
+    stencil = stencil_of(position, reference(2, 3.1, 1.0), wall_from=wall_from)
+    count = stencil.wall_from
+    after = velocity.copy()
+    walls = no_walls(len(position)) if walls is None else walls
+    boundary.collide(count, velocity, density, walls, 0.9, restitution, stencil, after)
+    return after
+
+
+@pytest.mark.parametrize("jitter", [0.1, 0.3, 1.0])
+def test_collisions_conserve_momentum_and_lose_energy(rng, jitter):
+    position = lattice_block(2, 15)
+    count = len(position)
+    position[:, :2] += rng.uniform(-jitter, jitter, (count, 2))
+    velocity = np.zeros((count, 3))
+    velocity[:, :2] = rng.normal(size=(count, 2))
+    density = rng.choice([1000.0, 2650.0], count)
+    after = collided(position, velocity, density, restitution=0.2)
+    assert not np.array_equal(after, velocity)
+    exchanged = density @ np.abs(after - velocity)
+    assert np.abs(density @ (after - velocity)).max() < 1e-14 * exchanged.max()
+    assert energy_of(density, after) < energy_of(density, velocity)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.2, 1.0])
+def test_two_particles_part_with_their_restitution(restitution):
+    position = np.array([[0.0, 0.0, 0.0], [0.3, 0.4, 0.0]])
+    velocity = np.array([[1.0, 2.0, 0.0], [-1.0, 0.5, 0.0]])
+    density = np.array([1000.0, 2650.0])
+    after = collided(position, velocity, density, restitution)
+    normal, along = np.array([0.6, 0.8, 0.0]), np.array([-0.8, 0.6, 0.0])
+    approach = (velocity[0] - velocity[1]) @ normal
+    assert (after[1] - after[0]) @ normal == pytest.approx(restitution * approach, abs=1e-14)
+    np.testing.assert_allclose(after @ along, velocity @ along, atol=1e-15)
+    np.testing.assert_allclose(density @ after, density @ velocity, rtol=1e-14)
+    # those that part, or are farther than the distance, do not collide
+    assert np.array_equal(collided(position, -velocity, density, restitution), -velocity)
+    assert np.array_equal(collided(2 * position, velocity, density, restitution), velocity)
+
+
+def test_a_wall_stops_what_comes_near_and_lets_it_slide():
+    position = np.array([[0.0, 0.3, 0.0], [0.2, -0.5, 0.0]])
+    walls = no_walls(2)
+    walls.normal[1, 1], walls.depth[1] = 1.0, 0.5
+    velocity = np.array([[1.0, -2.0, 0.0], [0.0, 0.0, 0.0]])
+    density = np.full(2, 1000.0)
+    after = collided(position, velocity, density, 0.2, walls, wall_from=1)
+    np.testing.assert_allclose(after[0], [1.0, 0.4, 0.0], rtol=1e-15)
+    position[0, 1] = 0.45  # farther than 0.9 d0 less half a spacing
+    after = collided(position, velocity, density, 0.2, walls, wall_from=1)
+    assert np.array_equal(after, velocity)
+
+
+@pytest.mark.parametrize("dt", [1e-5, 1e-3, 0.1])
+def test_drag_relaxes_the_slip_at_its_rate_and_keeps_momentum(dt):
+    # water and sediment alternate on a periodic lattice, each phase with one velocity
+    length = 12.0
+    position = lattice_block(2, 12)
+    lattice = reference(2, 3.1, 1.0)
+    stencil = stencil_of(position, lattice, period=np.array([length, length, 0.0]))
+    fraction = np.floor(position.sum(axis=1)) % 2.0
+    velocity = np.where(fraction[:, None] > 0, [0.3, -0.1, 0.0], [-0.5, 0.2, 0.0])
+    slip = np.hypot(0.8, 0.3)
+    system, right, density = exchange_system(
+        stencil, velocity, fraction, dt, drag=WATER_DRAG, c=np.full(144, 0.5)
+    )
+    after = np.zeros_like(velocity)
+    for axis in range(2):
+        system.right[:] = right[:, axis]
+        solution = np.ascontiguousarray(velocity[:, axis])
+        assert Solver(1e-14).solve(system, solution) >= 0
+        after[:, axis] = solution
+    a, b = np.meshgrid(*2 * [np.arange(-3.0, 4.0)])
+    r = np.hypot(a, b)[((a + b) % 2 == 1) & (np.hypot(a, b) < 3.1)]
+    share = np.sum(3.1 / r - 1.0) / lattice.number_density  # of the weight, with the other phase
+    assert share == pytest.approx(0.5, abs=0.15)
+    rate = share * drag_coefficient(0.5, slip, WATER_DRAG) * (1 / 1000.0 + 1 / 2650.0)
+    is_rock = fraction > 0
+    found = after[is_rock].mean(axis=0) - after[~is_rock].mean(axis=0)
+    # the residual asked for
+    np.testing.assert_allclose(found, np.array([0.8, -0.3, 0.0]) / (1 + dt * rate), rtol=1e-11)
+    np.testing.assert_allclose(density @ after, density @ velocity, rtol=1e-12)
+
+
+def dam_break(**tables):
+    """Return a dam break with so many particles that multigrid solves the pressure."""
+    return tank_case(75, 80, "water", (150, 100), **tables)
+
+
+@compiled
+@pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="needs two threads")
+@pytest.mark.parametrize("case", [dam_break, bed_case])
+def test_two_threads_compute_the_same_bits_as_one(case):
+    states = []
+    try:
+        for threads in (1, 2):
+            assert set_threads(threads) == threads
+            scheme, state = started(case())
+            states.append(advance(scheme, state, steps=60))
+    finally:
+        set_threads(1)
+    multigrid = states[0].particles.unknown_count >= Solver.MULTIGRID_FROM
+    assert multigrid == (case is dam_break)
+    assert identical(*states)
+
+
+@compiled
+@pytest.mark.parametrize("case", [dam_break, bed_case])
+def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(case, tmp_path, monkeypatch):
+    ends, conclude = [], simulation._Run._conclude
+
+    def conclude_and_keep(run, reason):
+        ends.append(run.state)
+        return conclude(run, reason)
+
+    monkeypatch.setattr(simulation._Run, "_conclude", conclude_and_keep)
+    whole, rest = tmp_path / "whole", tmp_path / "rest"
+    simulation.simulate(case(time={"end": 0.08}, output={"interval": 0.02}), whole)
+    shutil.copytree(whole, rest)
+    saved = checkpoint.load(rest / "checkpoint.h5")
+    assert 0 < saved.step < ends[0].step  # the last checkpoint is one of the middle
+    simulation.resume(rest)
+    assert identical(*ends)
+    outputs = [
+        f.relative_to(whole) for f in sorted(whole.rglob("*")) if f.suffix in (".vtu", ".csv")
+    ]
+    assert len(outputs) == 5 + 2
+    for name in outputs:
+        assert (whole / name).read_bytes() == (rest / name).read_bytes(), name
+
+
+@compiled
+def test_still_water_stays_in_its_tank():
+    scheme, state = started(tank_case(20, 15, "water"))
+    advance(scheme, state, until=0.25)
+    p = state.particles
+    assert p.fluid_count == 300
+    assert not state.through_wall.any()
+    assert not state.left.any()
+    # sqrt(2 g d0) is the speed of falling by one spacing
+    assert np.abs(p.velocity[p.fluid]).max() < np.sqrt(2 * 9.81 * 0.01)
+
+
+PROLOGUE = """
+import sys
+from debrisflow import operators
+from tests.building import *
+"""
+EPILOGUE = """
+modules = [m for name, m in sys.modules.items() if name.startswith("debrisflow")]
+kernels = {value for m in modules for value in vars(m).values() if hasattr(value, "stats")}
+counts = [(sum(k.stats.cache_misses.values()), sum(k.stats.cache_hits.values())) for k in kernels]
+print(*map(sum, zip(*counts)))
+"""
+DENSITY = """
+n = np.empty(64)
+operators.number_density(stencil_of(lattice_block(2, 8), reference(2, 3.1, 1.0)), n, n.copy())
+"""
+STEPS = "advance(*started(bed_case()), steps=2)\n"
+
+
+@compiled
+@pytest.mark.parametrize(("work", "is_fresh"), [(DENSITY, True), (STEPS, False)])
+def test_a_second_process_compiles_nothing(work, is_fresh, tmp_path):
+    # a whole step takes half a minute to compile, so that it shares the cache of the other tests
+    environment = dict(os.environ)
+    if is_fresh:
+        environment["XDG_CACHE_HOME"] = str(tmp_path)
+    folder = tmp_path if is_fresh else CACHE_DIRECTORY
+    results = []
+    for _ in range(2):
+        run = subprocess.run(
+            [sys.executable, "-c", PROLOGUE + work + EPILOGUE],
+            env=environment,
+            cwd=Path(__file__).parents[1],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        misses, hits = map(int, run.stdout.split())
+        results.append((misses, hits, {file for file in folder.rglob("*") if file.is_file()}))
+    (first_misses, _, first_files), (misses, hits, files) = results
+    assert first_misses > 0 or not is_fresh
+    assert misses == 0
+    assert hits > 0
+    assert files == first_files
