@@ -44,11 +44,11 @@ def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, 
     u0, v0, w0 = u, v, w
     d0 = stencil.spacing
     near_wall = False
-    for k in range(stencil.count[i]):
+    for k in range(stencil.neighbor_count[i]):
         inverse = stencil.inverse[i, k]
         if inverse * 1.5 * d0 < 1.0:
             continue
-        j = stencil.index[i, k]
+        j = stencil.neighbors[i, k]
         near_wall = near_wall or j >= stencil.wall_from
         if inverse * distance <= 1.0 or j >= stencil.wall_from:
             continue
@@ -64,8 +64,8 @@ def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, 
             w -= impulse * dz
     if not near_wall:
         return u, v, w
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         if j < stencil.wall_from or walls.depth[j] > d0 or stencil.inverse[i, k] * 1.5 * d0 < 1.0:
             continue
         nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]

@@ -79,7 +79,7 @@ def run(
     from debrisflow.simulation import simulate
 
     folder = output or Path("runs") / case.stem
-    simulate(checked, folder, threads=threads, overwrite=overwrite)
+    _tell(simulate(checked, folder, threads=threads, overwrite=overwrite), folder)
 
 
 @main.command()
@@ -89,7 +89,17 @@ def resume(folder: Path, threads: int | None) -> None:
     """Continue the run in the folder RUN from its last checkpoint."""
     from debrisflow.simulation import resume
 
-    resume(folder, threads=threads)
+    _tell(resume(folder, threads=threads), folder)
+
+
+def _tell(summary: dict[str, Any], folder: Path) -> None:
+    lost = sum(summary["through_wall"].values())
+    click.echo(
+        f"{summary['end_reason']}: t = {summary['time']:g} s after {summary['steps']} steps, "
+        f"{summary['wall_seconds']:.0f} s of wall time; results in {folder}"
+    )
+    if lost:
+        click.echo(f"warning: {lost} particles went through a wall", err=True)
 
 
 @main.command()
@@ -111,7 +121,8 @@ def postprocess(folder: Path) -> None:
     """Derive front, profiles and deposit from the results in the folder RUN."""
     from debrisflow.postprocess import postprocess
 
-    postprocess(folder)
+    for path in postprocess(folder):
+        click.echo(f"wrote {path}")
 
 
 @main.command()

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from debrisflow._jit import kernel, loop
 from debrisflow.operators import shear_rate_at
 
-
 Floats = NDArray[np.float64]
 
 
@@ -101,8 +100,8 @@ def neighborhood_temperature_at(i, fluid_count, velocity, fraction, stencil):
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     square = u * u + v * v + w * w
     grains = 1.0
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         if j < fluid_count and fraction[j] > 0.0:
             u += velocity[j, 0]
             v += velocity[j, 1]
@@ -117,8 +116,8 @@ def neighborhood_temperature_at(i, fluid_count, velocity, fraction, stencil):
 def concentration_at(i, fluid_count, fraction, stencil):
     """Return the weighted share of sediment in reach, the particle itself counted twice."""
     share, total = 2.0 * fraction[i], 2.0
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         if j < fluid_count:
             w = stencil.effective_radius * stencil.inverse[i, k] - 1.0
             share += w * fraction[j]
@@ -169,8 +168,8 @@ def collision_force_at(i, fluid_count, velocity, fraction, pressure, viscosity, 
     push = stencil.dimension / stencil.number_density
     pull = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
     x, y, z = 0.0, 0.0, 0.0
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         if j < fluid_count and fraction[j] > 0.0:
             inverse = stencil.inverse[i, k]
             w = r_e * inverse - 1.0
@@ -216,7 +215,7 @@ def grain_pressure_row_at(
     """
     is_fluid = i < fluid_count
     weight = np.sqrt(gravity[0] ** 2 + gravity[1] ** 2 + gravity[2] ** 2) * submerged_density
-    system.count[i] = 0
+    system.entries[i] = 0
     system.diagonal[i] = 1.0
     system.right[i] = 0.0
     if is_fluid and c[i] < 0.08:
@@ -225,8 +224,8 @@ def grain_pressure_row_at(
         system.right[i] = 0.5 * c[i] * weight * stencil.spacing
         return
     diagonal, right = 0.0, 0.0
-    for k in range(stencil.unknown[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.unknown_count[i]):
+        j = stencil.neighbors[i, k]
         system.value[i, k] = 0.0
         if not is_fluid and j >= fluid_count:
             continue
@@ -245,7 +244,7 @@ def grain_pressure_row_at(
         diagonal += a
         system.value[i, k] = a
     if diagonal > 0.0:
-        system.count[i] = stencil.unknown[i]
+        system.entries[i] = stencil.unknown_count[i]
         system.diagonal[i] = diagonal
         system.right[i] = right
 
@@ -256,9 +255,9 @@ def assemble_grain_pressure(
 ):
     """Write the balance of the buoyant grains for every fluid, inflow and wall particle.
 
-    The system must share its ``index`` with the stencil.
+    The system must take its columns from the stencil's neighbors.
     """
-    for i in prange(system.count.size):
+    for i in prange(system.entries.size):
         grain_pressure_row_at(
             i, fluid_count, c, on_free_surface, submerged_density, gravity, stencil, system
         )

@@ -51,7 +51,7 @@ def _scale_and_add(x, factor, y):
 def _divide(system, right, z):
     """Jacobi: write ``right / diagonal`` where the solution is not given."""
     for i in range(z.size):
-        z[i] = right[i] / system.diagonal[i] if system.count[i] > 0 else 0.0
+        z[i] = right[i] / system.diagonal[i] if system.entries[i] > 0 else 0.0
 
 
 @kernel
@@ -92,10 +92,13 @@ def conjugate_gradients(system, h, use_multigrid, tolerance, most, x, partial):
     old = np.empty(n)
     room = np.empty((3, h.diagonal.size + h.inverse.shape[0]))
     for i in range(n):
-        if system.count[i] == 0:
+        if system.entries[i] == 0:
             x[i] = system.right[i] / system.diagonal[i]
     residual(system, system.right, x, rest)
     goal = tolerance * tolerance * _inner(system.right, system.right, partial)
+    if goal == 0.0:
+        x[:] = 0.0
+        return 0
     if _inner(rest, rest, partial) <= goal:
         return 0
     last = 1.0
@@ -128,11 +131,14 @@ def stabilized_biconjugate_gradients(system, h, use_multigrid, tolerance, most, 
     z, t, old = np.empty(n), np.empty(n), np.empty(n)
     room = np.empty((3, h.diagonal.size + h.inverse.shape[0]))
     for i in range(n):
-        if system.count[i] == 0:
+        if system.entries[i] == 0:
             x[i] = system.right[i] / system.diagonal[i]
     residual(system, system.right, x, rest)
     shadow = rest.copy()
     goal = tolerance * tolerance * _inner(system.right, system.right, partial)
+    if goal == 0.0:
+        x[:] = 0.0
+        return 0
     if _inner(rest, rest, partial) <= goal:
         return 0
     rho, alpha, omega = 1.0, 1.0, 1.0
@@ -167,8 +173,8 @@ def remove_mean(system):
 
     Returns whether the system is singular, that is defined up to a constant.
     """
-    for i in range(system.count.size):
-        if system.count[i] == 0:
+    for i in range(system.entries.size):
+        if system.entries[i] == 0:
             return False
     mean = system.right.sum() / system.right.size
     for i in range(system.right.size):
@@ -201,7 +207,7 @@ class Solver:
 
     def solve(self, system: System, x: Floats) -> int:
         """Write the solution into ``x``, which holds the start; return iterations, or -1."""
-        rows = system.count.size
+        rows = system.entries.size
         use_multigrid = rows >= self.MULTIGRID_FROM
         if not use_multigrid:
             self._hierarchy = NO_HIERARCHY

@@ -26,8 +26,8 @@ def viscous_force_at(i, velocity, viscosity, walls, stencil):
     r_e = stencil.effective_radius
     factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
     x, y, z = 0.0, 0.0, 0.0
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         du, dv, dw = velocity_difference(i, k, velocity, walls, stencil)
         is_wall = j >= stencil.wall_from
         mu = viscosity[i] if is_wall else harmonic_mean(viscosity[i], viscosity[j])
@@ -112,17 +112,17 @@ def exchange_row_at(
         density[i] * velocity[i, 1],
         density[i] * velocity[i, 2],
     )
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         w = r_e * stencil.inverse[i, k] - 1.0
-        if k < stencil.unknown[i]:
+        if k < stencil.unknown_count[i]:
             system.value[i, k] = 0.0
         if j >= stencil.wall_from:
             if walls.slip[j] > 0.0:
                 continue
             p = (
                 0.5 * (grain_pressure[i] + grain_pressure[j])
-                if k < stencil.unknown[i]
+                if k < stencil.unknown_count[i]
                 else grain_pressure[i]
             )
             mu = viscosity[i] if walls.roughness[j] > 0.0 else mu_i
@@ -154,7 +154,7 @@ def exchange_row_at(
             x += coupling * velocity[j, 0]
             y += coupling * velocity[j, 1]
             z += coupling * velocity[j, 2]
-    system.count[i] = stencil.unknown[i]
+    system.entries[i] = stencil.unknown_count[i]
     system.diagonal[i] = diagonal
     right[i, 0] = x
     right[i, 1] = y
@@ -181,8 +181,8 @@ def assemble_exchange(
 ):
     """Write the implicit exchange of momentum for every fluid particle.
 
-    The system must share its ``index`` with the stencil; a neighbor whose velocity is given has
-    the value 0 in its row and a part in the right side.
+    The system must take its columns from the stencil's neighbors; a neighbor whose velocity is
+    given has the value 0 in its row and a part in the right side.
     """
     for i in prange(fluid_count):
         exchange_row_at(
@@ -215,8 +215,8 @@ def rub_at(i, dt, velocity, walls, stencil):
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     d0 = stencil.spacing
     nearest, touched = d0, -1
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         if j < stencil.wall_from or walls.depth[j] > 0.51 * d0 or walls.roughness[j] <= 0.0:
             continue
         h = height_over(i, k, walls, stencil)

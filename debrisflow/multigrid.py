@@ -110,9 +110,9 @@ def hierarchy(system: System) -> Hierarchy:
 def _as_csr(system: System):  # type: ignore[no-untyped-def]
     from scipy.sparse import csr_matrix
 
-    rows = system.count.size
+    rows = system.entries.size
     start = np.zeros(rows + 1, dtype=np.int32)
-    start[1:] = np.cumsum(system.count + 1)
+    start[1:] = np.cumsum(system.entries + 1)
     index = np.empty(start[-1], dtype=np.int32)
     value = np.empty(start[-1])
     _compress(system, start, index, value)
@@ -121,14 +121,14 @@ def _as_csr(system: System):  # type: ignore[no-untyped-def]
 
 @kernel
 def _compress(system, start, index, value):
-    for i in range(system.count.size):
+    for i in range(system.entries.size):
         k0 = start[i]
         index[k0] = i
         value[k0] = system.diagonal[i]
-        for k in range(system.count[i]):
-            j = system.index[i, k]
+        for k in range(system.entries[i]):
+            j = system.columns[i, k]
             index[k0 + 1 + k] = j
-            value[k0 + 1 + k] = -system.value[i, k] if system.count[j] > 0 else 0.0
+            value[k0 + 1 + k] = -system.value[i, k] if system.entries[j] > 0 else 0.0
 
 
 def _flat(matrices) -> tuple[NDArray[np.int64], Indices, Floats]:  # type: ignore[no-untyped-def]
@@ -152,11 +152,11 @@ def _relax_forward(system, right, x):
         lower = block * BLOCK
         for i in range(lower, min(lower + BLOCK, n)):
             total = right[i]
-            for k in range(system.count[i]):
-                j = system.index[i, k]
+            for k in range(system.entries[i]):
+                j = system.columns[i, k]
                 if lower <= j < i:
                     total += system.value[i, k] * x[j]
-            x[i] = total / system.diagonal[i] if system.count[i] > 0 else 0.0
+            x[i] = total / system.diagonal[i] if system.entries[i] > 0 else 0.0
 
 
 @loop
@@ -167,10 +167,10 @@ def _relax_backward(system, right, old, x):
         lower, upper = block * BLOCK, min((block + 1) * BLOCK, n)
         for i in range(upper - 1, lower - 1, -1):
             total = right[i]
-            for k in range(system.count[i]):
-                j = system.index[i, k]
+            for k in range(system.entries[i]):
+                j = system.columns[i, k]
                 total += system.value[i, k] * (x[j] if lower <= j < upper else old[j])
-            x[i] = total / system.diagonal[i] if system.count[i] > 0 else 0.0
+            x[i] = total / system.diagonal[i] if system.entries[i] > 0 else 0.0
 
 
 @loop
@@ -294,5 +294,5 @@ def cycle(system, h, right, z, old, coarse_right, coarse, rest):
                 coarse[b : b + f],
             )
     for i in range(z.size):
-        old[i] = z[i] if system.count[i] > 0 else 0.0
+        old[i] = z[i] if system.entries[i] > 0 else 0.0
     _relax_backward(system, right, old, z)

@@ -57,7 +57,7 @@ def _cell_of(position, lower, width, shape, periodic, cell):
 
 @kernel
 def _sort_by_cell(cell, start, order):
-    """Counting sort: ``order[start[c]:start[c + 1]]`` are the particles of cell c, in order."""
+    """Sort by counting: ``order[start[c]:start[c + 1]]`` are the particles of cell c, in order."""
     start[:] = 0
     for i in range(cell.size):
         start[cell[i] + 1] += 1
@@ -254,5 +254,7 @@ class Neighbors:
 
 def order_by_cell(position: Floats, width: float) -> NDArray[np.int64]:
     """Return the order that puts neighbors in space near each other in memory."""
+    if position.size == 0:
+        return np.zeros(0, dtype=np.int64)
     cell = np.floor((position - position.min(axis=0)) / width).astype(np.int64)
     return np.lexsort((cell[:, 2], cell[:, 1], cell[:, 0]))

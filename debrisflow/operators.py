@@ -28,11 +28,11 @@ class Stencil(NamedTuple):
 
     Attributes
     ----------
-    index : (m, capacity) int32 array
+    neighbors : (m, capacity) int32 array
         Neighbors of the first m particles; those that carry a pressure stand first.
-    count : (m,) int32 array
+    neighbor_count : (m,) int32 array
         Number of neighbors in each row.
-    unknown : (m,) int32 array
+    unknown_count : (m,) int32 array
         Number of neighbors in each row that carry a pressure.
     dx, dy, dz : (m, capacity) float64 array, m
         Components of ``r_j - r_i``, through the nearest image where the domain repeats.
@@ -50,9 +50,9 @@ class Stencil(NamedTuple):
         lambda.
     """
 
-    index: Indices
-    count: Indices
-    unknown: Indices
+    neighbors: Indices
+    neighbor_count: Indices
+    unknown_count: Indices
     dx: Floats
     dy: Floats
     dz: Floats
@@ -91,10 +91,10 @@ def survey_at(i, position, period, listed, listed_count, stencil):
     Two particles at one place have no direction: they are kept apart by 1e-6 d0 along x, whose
     sign follows their order, so that the pair stays opposite.
     """
-    rows = stencil.count.size
+    rows = stencil.neighbor_count.size
     reach2 = stencil.effective_radius**2
     x, y, z = position[i, 0], position[i, 1], position[i, 2]
-    found, last = 0, stencil.index.shape[1]
+    found, last = 0, stencil.neighbors.shape[1]
     for k in range(listed_count[i]):
         j = listed[i, k]
         dx = position[j, 0] - x
@@ -118,20 +118,20 @@ def survey_at(i, position, period, listed, listed_count, stencil):
         else:
             last -= 1
             place = last
-        stencil.index[i, place] = j
+        stencil.neighbors[i, place] = j
         stencil.dx[i, place] = dx
         stencil.dy[i, place] = dy
         stencil.dz[i, place] = dz
         stencil.inverse[i, place] = 1.0 / np.sqrt(r2)
-    stencil.unknown[i] = found
-    for place in range(last, stencil.index.shape[1]):
-        stencil.index[i, found] = stencil.index[i, place]
+    stencil.unknown_count[i] = found
+    for place in range(last, stencil.neighbors.shape[1]):
+        stencil.neighbors[i, found] = stencil.neighbors[i, place]
         stencil.dx[i, found] = stencil.dx[i, place]
         stencil.dy[i, found] = stencil.dy[i, place]
         stencil.dz[i, found] = stencil.dz[i, place]
         stencil.inverse[i, found] = stencil.inverse[i, place]
         found += 1
-    stencil.count[i] = found
+    stencil.neighbor_count[i] = found
 
 
 @loop
@@ -178,7 +178,7 @@ def velocity_difference(i, k, velocity, walls, stencil):
     ----------
     Morris, Fox & Zhu 1997, doi:10.1006/jcph.1997.5776.
     """
-    j = stencil.index[i, k]
+    j = stencil.neighbors[i, k]
     du = velocity[j, 0] - velocity[i, 0]
     dv = velocity[j, 1] - velocity[i, 1]
     dw = velocity[j, 2] - velocity[i, 2]
@@ -198,8 +198,8 @@ def velocity_difference(i, k, velocity, walls, stencil):
 
 @kernel
 def height_over(i, k, walls, stencil):
-    """Return the height of particle i over the surface of the wall that neighbor k belongs to, m."""
-    j = stencil.index[i, k]
+    """Return the height of particle i over the surface of the wall of neighbor k, m."""
+    j = stencil.neighbors[i, k]
     below = (
         stencil.dx[i, k] * walls.normal[j, 0]
         + stencil.dy[i, k] * walls.normal[j, 1]
@@ -216,11 +216,11 @@ def wall_distance(i, k, walls, stencil):
 
 @kernel
 def number_density_at(i, stencil):
-    """Return ``n_i = sum of w`` and the length of ``sum of w r_ij / r``, which an interior lacks."""
+    """Return ``n_i = sum of w`` and the length of ``sum of w r_ij / r``, 0 in an interior."""
     r_e = stencil.effective_radius
     n = 0.0
     x, y, z = 0.0, 0.0, 0.0
-    for k in range(stencil.count[i]):
+    for k in range(stencil.neighbor_count[i]):
         inverse = stencil.inverse[i, k]
         w = r_e * inverse - 1.0
         n += w
@@ -248,14 +248,14 @@ def gradient_at(i, values, with_walls, stencil):
     r_e = stencil.effective_radius
     x, y, z = 0.0, 0.0, 0.0
     f_i = values[i]
-    for k in range(stencil.unknown[i]):
+    for k in range(stencil.unknown_count[i]):
         inverse = stencil.inverse[i, k]
-        f = (f_i + values[stencil.index[i, k]]) * (r_e * inverse - 1.0) * inverse * inverse
+        f = (f_i + values[stencil.neighbors[i, k]]) * (r_e * inverse - 1.0) * inverse * inverse
         x += f * stencil.dx[i, k]
         y += f * stencil.dy[i, k]
         z += f * stencil.dz[i, k]
     if with_walls:
-        for k in range(stencil.unknown[i], stencil.count[i]):
+        for k in range(stencil.unknown_count[i], stencil.neighbor_count[i]):
             inverse = stencil.inverse[i, k]
             f = 2.0 * f_i * (r_e * inverse - 1.0) * inverse * inverse
             x += f * stencil.dx[i, k]
@@ -269,8 +269,8 @@ def gradient_at(i, values, with_walls, stencil):
 def least_neighbor_value_at(i, values, stencil):
     """Return ``min over j with w != 0 of (f_i, f_j)``."""
     least = values[i]
-    for k in range(stencil.unknown[i]):
-        least = min(least, values[stencil.index[i, k]])
+    for k in range(stencil.unknown_count[i]):
+        least = min(least, values[stencil.neighbors[i, k]])
     return least
 
 
@@ -286,8 +286,8 @@ def divergence_at(i, velocity, stencil):
     Khayyer & Gotoh 2009, doi:10.1016/j.coastaleng.2008.10.004.
     """
     total = 0.0
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         total += stencil.inverse[i, k] ** 3 * (
             stencil.dx[i, k] * (velocity[j, 0] - velocity[i, 0])
             + stencil.dy[i, k] * (velocity[j, 1] - velocity[i, 1])
@@ -301,9 +301,9 @@ def laplacian_at(i, values, stencil):
     """Return ``(2 Ds / (lambda n0)) sum of (f_j - f_i) w``, exact for r^2 on the lattice."""
     r_e = stencil.effective_radius
     total = 0.0
-    for k in range(stencil.count[i]):
+    for k in range(stencil.neighbor_count[i]):
         w = r_e * stencil.inverse[i, k] - 1.0
-        total += (values[stencil.index[i, k]] - values[i]) * w
+        total += (values[stencil.neighbors[i, k]] - values[i]) * w
     return 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density) * total
 
 
@@ -320,8 +320,8 @@ def higher_order_laplacian_at(i, values, stencil):
     Khayyer & Gotoh 2010, doi:10.1016/j.apor.2010.01.001.
     """
     total = 0.0
-    for k in range(stencil.count[i]):
-        total += (values[stencil.index[i, k]] - values[i]) * stencil.inverse[i, k] ** 3
+    for k in range(stencil.neighbor_count[i]):
+        total += (values[stencil.neighbors[i, k]] - values[i]) * stencil.inverse[i, k] ** 3
     return (5.0 - stencil.dimension) * stencil.effective_radius * total / stencil.number_density
 
 
@@ -335,7 +335,7 @@ def shear_rate_at(i, velocity, walls, stencil):
     r_e = stencil.effective_radius
     xx, yy, zz = 0.0, 0.0, 0.0
     xy, xz, yz = 0.0, 0.0, 0.0
-    for k in range(stencil.count[i]):
+    for k in range(stencil.neighbor_count[i]):
         du, dv, dw = velocity_difference(i, k, velocity, walls, stencil)
         dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
         inverse = stencil.inverse[i, k]

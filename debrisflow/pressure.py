@@ -45,14 +45,14 @@ class Source(NamedTuple):
     Attributes
     ----------
     dt : float, s
-    density_correction : float
-        gamma: share of the density error that one step corrects.
+    density_rate : float, 1/s
+        1 / tau: rate at which a density error decays.
     disorder : float
         Factor of the disorder term, 6 for the sum gradient and 0 for others.
     """
 
     dt: float
-    density_correction: float
+    density_rate: float
     disorder: float
 
 
@@ -61,19 +61,22 @@ def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interfa
     """Write row i of the pressure equation and return n_i and whether i is on the free surface.
 
         (1/n0) sum of A_ij (p_j - p_i)  -  (6 / (n0 rho_i)) a_i . b_i p_i
-            = (1/(n0 dt)) sum of (r_e / r^3) r_ij . u*_ij - gamma (n - n0) / (n0 dt^2)
+            = (1/(n0 dt)) [ sum of (r_e / r^3) r_ij . u*_ij - (n - n0) / tau ]
 
     with ``A_ij = (r_e / r^3) (own / rho_i + other / rho_j + mean 2 / (rho_i + rho_j))``, written
     here times -n0.  Denser than n0 drives the pressure up.  Dummy walls have no row, which makes
     the wall a Neumann boundary; p = 0 on the free surface and on walls that touch no fluid.
 
-    The second term is ours.  Where the particles are not on a lattice the sum gradient pushes by
-    ``2 p_i a_i``, ``a_i = (Ds/n0) sum of r_ij w / r^2``, and spreads them: the divergence of that
-    push is about ``-4 p_i a_i . b_i / n0``, ``b_i = sum of r_e r_ij / r^3``, on average over the
-    fluid.  An equation that does not know of it overshoots by the disorder squared times the
-    square of the rows of particles between surface and floor; from about 100 rows on the pressure
-    alternates between steps and a dam break gains energy.  6 is 4 times the ratio 3/2 between the
-    Laplacian and the divergence (see :func:`divergence_at`).
+    The density error is asked to decay in the time tau, whatever the step: a share of it in every
+    step would throw the fluid whenever a step is shorter than the others.
+
+    The second term on the left is ours.  Where the particles are not on a lattice the sum gradient
+    pushes by ``2 p_i a_i``, ``a_i = (Ds/n0) sum of r_ij w / r^2``, and spreads them: the divergence
+    of that push is about ``-4 p_i a_i . b_i / n0``, ``b_i = sum of r_e r_ij / r^3``, on average
+    over the fluid.  An equation that does not know of it overshoots by the disorder squared times
+    the square of the rows of particles between surface and floor; from about 100 rows on the
+    pressure alternates between steps and a dam break gains energy.  6 is 4 times the ratio 3/2
+    between the Laplacian and the divergence (see :func:`divergence_at`).
 
     References
     ----------
@@ -88,8 +91,8 @@ def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interfa
     u, v, w_ = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     wet = i < fluid_count
     mine = interface.own / density[i]
-    for k in range(stencil.count[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
         dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
         inverse = stencil.inverse[i, k]
         w = r_e * inverse - 1.0
@@ -108,8 +111,8 @@ def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interfa
         divergence += q * (
             dx * (velocity[j, 0] - u) + dy * (velocity[j, 1] - v) + dz * (velocity[j, 2] - w_)
         )
-    for k in range(stencil.unknown[i]):
-        j = stencil.index[i, k]
+    for k in range(stencil.unknown_count[i]):
+        j = stencil.neighbors[i, k]
         wet = wet or j < fluid_count
         a = r_e * stencil.inverse[i, k] ** 3
         a *= mine + interface.other / density[j] + interface.mean * 2.0 / (density[i] + density[j])
@@ -118,7 +121,7 @@ def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interfa
     asymmetric = np.sqrt(x * x + y * y + z * z) > surface.asymmetry * n0
     on_surface = n < surface.lower * n0 or (n < surface.upper * n0 and asymmetric)
     if on_surface or not wet or diagonal <= 0.0:
-        system.count[i] = 0
+        system.entries[i] = 0
         system.diagonal[i] = 1.0
         system.right[i] = 0.0
     else:
@@ -126,11 +129,9 @@ def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interfa
             # near the surface the sums lack neighbors and do not tell disorder
             spread = stencil.dimension / n0 * (ax * bx + ay * by + az * bz)
             diagonal += source.disorder * max(spread, 0.0) / density[i]
-        system.count[i] = stencil.unknown[i]
+        system.entries[i] = stencil.unknown_count[i]
         system.diagonal[i] = diagonal
-        system.right[i] = (
-            source.density_correction * (n - n0) / (source.dt * source.dt) - divergence / source.dt
-        )
+        system.right[i] = (source.density_rate * (n - n0) - divergence) / source.dt
     return n, on_surface
 
 
@@ -140,9 +141,9 @@ def assemble(
 ):
     """Write the pressure equation, number density and free surface of every unknown.
 
-    The system must share its ``index`` with the stencil.
+    The system must take its columns from the stencil's neighbors.
     """
-    for i in prange(system.count.size):
+    for i in prange(system.entries.size):
         n[i], on_surface[i] = pressure_row_at(
             i, fluid_count, velocity, density, stencil, surface, interface, source, system
         )

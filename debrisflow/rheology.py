@@ -57,7 +57,7 @@ class DragLaw(NamedTuple):
 
 @kernel
 def turbulent_viscosity(density, shear_rate, strength):
-    """Return Prandtl's ``rho l^2 shear_rate``, Pa s; the mixing length l is a length of the case."""
+    """Return Prandtl's ``rho l^2 shear_rate``, Pa s, with the mixing length l of the case."""
     return density * strength.mixing_length**2 * shear_rate
 
 

@@ -19,7 +19,7 @@ from debrisflow.neighbors import Neighbors, order_by_cell
 from debrisflow.particles import Kind, Particles
 from debrisflow.rheology import DragLaw, Strength
 from debrisflow.state import State
-from debrisflow.system import empty_system
+from debrisflow.system import empty_system, residual
 
 Floats = NDArray[np.float64]
 DIMENSION = 2
@@ -74,6 +74,7 @@ class SemiImplicit:
             if scheme.free_surface == "asymmetry"
             else pressure.FreeSurface(0.97, 0.97, np.inf)
         )
+        self._density_rate = 1.0 / scheme.density_relaxation if scheme.density_relaxation else 0.0
         self._pressure_solver = Solver(scheme.tolerance, symmetric)
         self._grain_solver = Solver(1.0e-3)
         self._exchange_solvers = [Solver(1.0e-4) for _ in range(DIMENSION)]
@@ -182,7 +183,7 @@ class SemiImplicit:
             self._correct(p, velocity, dt, solved)
         if self._has_strength:
             self._balance_grains(p)
-        if self._is_implicit:
+        if self._is_implicit and p.fluid_count > 0:
             velocity = self._exchange_momentum(p, velocity, dt)
         if self._is_rough:
             velocity = self._rub(p, velocity, dt)
@@ -205,9 +206,9 @@ class SemiImplicit:
             self._near.build(p.position, p.unknown_count)
         elif self._near.is_stale(p.position, p.unknown_count):
             self._near.build(p.position, p.unknown_count)
-        if self._stencil is None or self._stencil.index.shape != self._near.index.shape:
+        if self._stencil is None or self._stencil.neighbors.shape != self._near.index.shape:
             self._stencil = operators.empty_stencil(*self._near.index.shape, self.lattice)
-            self._room = empty_system(self._stencil.index)
+            self._room = empty_system(self._stencil.neighbors)
         self._stencil = self._stencil._replace(wall_from=p.inflow.stop)
         self._walls = boundary.wall_surface(p, self.case)
         operators.survey(
@@ -221,7 +222,7 @@ class SemiImplicit:
             granular.concentration(n, p.sediment_fraction, self._stencil, raw)
             granular.concentration(n, raw, self._stencil, p.concentration)
         self._shear_rate = np.zeros(n)
-        if self._is_implicit:
+        if self._is_implicit and p.fluid_count > 0:
             operators.shear_rate(p.velocity, self._walls, self._stencil, self._shear_rate)
         if self._has_collisions:
             self._collision_pressure, self._collision_viscosity = np.zeros(n), np.zeros(n)
@@ -274,7 +275,6 @@ class SemiImplicit:
 
     def _solve_pressure(self, p: Particles, velocity: Floats, dt: float, solved: Floats) -> int:
         m = p.unknown_count
-        assert self.case.scheme.density_correction is not None
         with self._clock("pressure assembly"):
             pressure.assemble(
                 p.fluid_count,
@@ -283,9 +283,7 @@ class SemiImplicit:
                 self._stencil,
                 self._surface,
                 self._interface,
-                pressure.Source(
-                    dt, self.case.scheme.density_correction, 6.0 if self._conserves else 0.0
-                ),
+                pressure.Source(dt, self._density_rate, 6.0 if self._conserves else 0.0),
                 self._room,
                 p.number_density[:m],
                 p.on_free_surface[:m],
@@ -331,7 +329,7 @@ class SemiImplicit:
     def _exchange_momentum(self, p: Particles, velocity: Floats, dt: float) -> Floats:
         right = np.zeros((p.unknown_count, 3))
         with self._clock("exchange of momentum"):
-            self._room.count[p.fluid_count :] = 0
+            self._room.entries[p.fluid_count :] = 0
             momentum.assemble_exchange(
                 dt,
                 p.fluid_count,
@@ -349,12 +347,15 @@ class SemiImplicit:
                 self._room,
                 right,
             )
-            exchanged = velocity.copy()
+            exchanged, rest = velocity.copy(), np.empty(p.unknown_count)
             for axis, solver in enumerate(self._exchange_solvers):
                 self._room.right[:] = right[:, axis]
                 start = np.ascontiguousarray(velocity[: p.unknown_count, axis])
                 if solver.solve(self._room, start) < 0:
                     raise NotConvergedError("the exchange of momentum")
+                residual(self._room, self._room.right, start, rest)
+                # what the solver left undone is given back evenly, so that none is lost
+                start[p.fluid] += rest[p.fluid].sum() / p.density[p.fluid].sum()
                 exchanged[p.fluid, axis] = start[p.fluid]
         return exchanged
 

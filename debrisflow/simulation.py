@@ -82,8 +82,8 @@ class _Run:
         start, end, output = -case.time.relaxation, case.time.end, case.output
         assert output.deposit_interval is not None
         assert output.history_interval is not None
-        self.frames = Schedule(output.interval, start, end)
-        self.deposits = Schedule(output.deposit_interval, start, end)
+        self.frames = Schedule(output.interval, 0.0, end)
+        self.deposits = Schedule(output.deposit_interval, 0.0, end)
         self.histories = Schedule(output.history_interval, start, end)
         self._owes_checkpoint = False
         self._particle_steps = 0

@@ -19,28 +19,28 @@ class System(NamedTuple):
 
     Attributes
     ----------
-    index : (m, capacity) int32 array
+    columns : (m, capacity) int32 array
         Columns of the entries of each row.
     value : (m, capacity) float64 array
         Entries off the diagonal, with their sign turned.
-    count : (m,) int32 array
+    entries : (m,) int32 array
         Entries of each row; 0 where the solution is given.
     diagonal, right : (m,) float64 array
     """
 
-    index: Indices
+    columns: Indices
     value: Floats
-    count: Indices
+    entries: Indices
     diagonal: Floats
     right: Floats
 
 
-def empty_system(index: Indices) -> System:
-    """Return a system of given zeros whose rows have the columns of ``index``."""
-    rows = index.shape[0]
+def empty_system(columns: Indices) -> System:
+    """Return a system of given zeros whose rows have the columns of ``columns``."""
+    rows = columns.shape[0]
     return System(
-        index,
-        np.zeros(index.shape),
+        columns,
+        np.zeros(columns.shape),
         np.zeros(rows, dtype=np.int32),
         np.ones(rows),
         np.zeros(rows),
@@ -52,8 +52,8 @@ def multiply(system, x, y):
     """Write ``y = A x``."""
     for i in prange(x.size):
         total = system.diagonal[i] * x[i]
-        for k in range(system.count[i]):
-            total -= system.value[i, k] * x[system.index[i, k]]
+        for k in range(system.entries[i]):
+            total -= system.value[i, k] * x[system.columns[i, k]]
         y[i] = total
 
 
@@ -62,6 +62,6 @@ def residual(system, right, x, rest):
     """Write ``rest = right - A x``, 0 where the solution is given."""
     for i in prange(x.size):
         total = right[i] - system.diagonal[i] * x[i]
-        for k in range(system.count[i]):
-            total += system.value[i, k] * x[system.index[i, k]]
-        rest[i] = total if system.count[i] > 0 else 0.0
+        for k in range(system.entries[i]):
+            total += system.value[i, k] * x[system.columns[i, k]]
+        rest[i] = total if system.entries[i] > 0 else 0.0

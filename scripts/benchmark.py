@@ -2,10 +2,10 @@
 
     python scripts/benchmark.py [NAME ...] [--threads 1,2] [--json]
 
-Names: dam2d_2k, dam2d_20k (the default), dam2d_100k, dam2d_200k, sweep (all of them), dam2d_20k_late
-(the same column from t = 0.3 s).  A step includes everything that a run does between two outputs:
-neighbor lists, sorting, the set-up of the multigrid hierarchy and all terms.  Kernels are compiled
-before the clock starts.
+Names: dam2d_2k, dam2d_20k (the default), dam2d_100k, dam2d_200k, sweep (all of them), and
+dam2d_20k_late (the same column from t = 0.3 s).  A step includes everything that a run does between
+two outputs: neighbor lists, sorting, the set-up of the multigrid hierarchy and all terms.  Kernels
+are compiled before the clock starts.
 """
 
 from __future__ import annotations

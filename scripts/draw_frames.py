@@ -1,6 +1,6 @@
 """Draw frames of a two-dimensional run one below the other, into a PNG.
 
-    python scripts/draw_frames.py RUN FILE.png --times 0,2.6,4.5 [--by speed] [--window x0,x1,y0,y1]
+python scripts/draw_frames.py RUN FILE.png --times 0,2.6,4.5 [--by speed] [--window x0,x1,y0,y1]
 """
 
 from __future__ import annotations

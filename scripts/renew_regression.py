@@ -1,6 +1,6 @@
 """Renew the curves of tests/regression, once it is understood why an answer has moved.
 
-    python scripts/renew_regression.py --reason "..." [NAME ...]
+python scripts/renew_regression.py --reason "..." [NAME ...]
 """
 
 from __future__ import annotations

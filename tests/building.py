@@ -1,5 +1,7 @@
 """Patches of particles, stencils and small cases that several tests build."""
 
+from math import ceil
+
 import numpy as np
 
 from debrisflow import momentum, operators
@@ -97,7 +99,7 @@ def exchange_system(stencil, velocity, fraction, dt, strength=NO_STRENGTH, drag=
     names = ("viscosity", "c", "shear_rate", "grain_pressure")
     viscosity, c, shear_rate, grain_pressure = (fields.get(n, np.zeros(count)) for n in names)
     density = 1000.0 + 1650.0 * fraction
-    system, right = empty_system(stencil.index), np.zeros((count, 3))
+    system, right = empty_system(stencil.neighbors), np.zeros((count, 3))
     momentum.assemble_exchange(
         dt, count, velocity, density, viscosity, fraction, c, shear_rate, grain_pressure,
         strength, drag, no_walls(count), stencil, system, right,
@@ -151,13 +153,16 @@ def started(case):
     return SemiImplicit(case), initial_state(case)
 
 
-def advance(scheme, state, steps=None, until=np.inf):
-    """Take a number of steps, or those up to a time, and return the state."""
+def advance(scheme, state, steps=None, until=None):
+    """Take a number of steps, or steps of about one length up to a time, and return the state."""
     last = np.inf if steps is None else state.step + steps
-    while state.step < last and state.time < until:
-        dt = min(scheme.stable_dt(state), until - state.time)
+    while state.step < last and (until is None or state.time < until):
+        dt = scheme.stable_dt(state)
+        if until is not None:
+            # a last step much shorter than the others would kick: errors of density over dt^2
+            dt = (until - state.time) / ceil((until - state.time) / dt * (1.0 - 1e-12))
         scheme.step(state, dt)
-        state.time += dt
+        state.time = until if until is not None and dt == until - state.time else state.time + dt
         state.step += 1
     return state
 

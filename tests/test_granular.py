@@ -170,7 +170,7 @@ def balanced_bed(water_rows):
     is_surface = np.zeros(p.unknown_count, dtype=bool)
     is_surface[p.fluid] = height > (rows - 1) * SPACING
     stencil = stencil_of(p.position, scheme.lattice, p.unknown_count, wall_from=p.fluid_count)
-    system = empty_system(stencil.index)
+    system = empty_system(stencil.neighbors)
     granular.assemble_grain_pressure(
         p.fluid_count, c, is_surface, SUBMERGED, GRAVITY, stencil, system
     )
@@ -208,10 +208,10 @@ def test_a_linear_grain_pressure_is_exact_on_any_arrangement(rng, dimension, rad
     gravity = np.array([3.0, -9.0, 0.0])
     expected = 2000.0 + 0.4 * SUBMERGED * position @ gravity
     is_given = rng.random(400) < 0.1
-    system = empty_system(stencil.index)
+    system = empty_system(stencil.neighbors)
     c = np.full(400, 0.4)
     granular.assemble_grain_pressure(400, c, is_given, SUBMERGED, gravity, stencil, system)
-    assert np.all(system.count[is_given] == 0)
+    assert np.all(system.entries[is_given] == 0)
     system.right[is_given] = expected[is_given]
     found = np.zeros(400)
     assert Solver(1e-13).solve(system, found) > 0
@@ -221,7 +221,7 @@ def test_a_linear_grain_pressure_is_exact_on_any_arrangement(rng, dimension, rad
 def test_without_grains_or_gravity_there_is_no_grain_pressure(rng):
     position = random_patch(2, 200, rng, length=8.0)
     stencil = stencil_of(position, reference(2, 3.1, 1.0))
-    system = empty_system(stencil.index)
+    system = empty_system(stencil.neighbors)
     is_surface = np.arange(200) < 20
     for c, gravity in ((0.079, GRAVITY), (0.5, NOWHERE)):
         granular.assemble_grain_pressure(

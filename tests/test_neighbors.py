@@ -115,7 +115,7 @@ def test_nobody_is_missed_before_half_the_skin_is_passed(rng, dimension, period)
     moved = position + shift
     assert not near.is_stale(moved, 500)
     stencil = stencil_of(moved, lattice, period=period, near=near)
-    listed = times_listed(stencil.index, stencil.count, 500)
+    listed = times_listed(stencil.neighbors, stencil.neighbor_count, 500)
     assert np.array_equal(listed, within(moved, RADIUS, period))
 
 
@@ -145,8 +145,8 @@ def test_the_stencil_holds_the_geometry_of_each_pair(rng, dimension, period):
     position = random_patch(dimension, 300, rng, LENGTH)
     stencil = stencil_of(position, lattice, period=period)
     between = separations(position, period)
-    for i, count in enumerate(stencil.count):
-        j = stencil.index[i, :count]
+    for i, count in enumerate(stencil.neighbor_count):
+        j = stencil.neighbors[i, :count]
         found = np.stack([stencil.dx[i, :count], stencil.dy[i, :count], stencil.dz[i, :count]], 1)
         # differences of positions of order 10 and one period
         np.testing.assert_allclose(found, between[i, j], atol=1e-14)
@@ -160,8 +160,8 @@ def test_separations_of_a_pair_are_opposite_to_the_bit(rng, dimension, period):
     position[20:23] = position[4]  # no direction of their own
     stencil = stencil_of(position, reference(dimension, RADIUS, SPACING), period=period)
     tables = np.zeros((4, 300, 300))
-    for i, count in enumerate(stencil.count):
-        j = stencil.index[i, :count]
+    for i, count in enumerate(stencil.neighbor_count):
+        j = stencil.neighbors[i, :count]
         for table, values in zip(tables, (stencil.dx, stencil.dy, stencil.dz), strict=False):
             table[i, j] = values[i, :count]
         tables[3, i, j] = stencil.inverse[i, :count]
@@ -176,10 +176,12 @@ def test_neighbors_that_carry_a_pressure_stand_first(rng):
     position = random_patch(2, 400, rng, LENGTH)
     rows = 250
     stencil = stencil_of(position, reference(2, RADIUS, SPACING), rows=rows)
-    for i, (unknown, count) in enumerate(zip(stencil.unknown, stencil.count, strict=True)):
-        assert np.all(stencil.index[i, :unknown] < rows)
-        assert np.all(stencil.index[i, unknown:count] >= rows)
-    listed = times_listed(stencil.index, stencil.count, 400)
+    for i, (unknown, count) in enumerate(
+        zip(stencil.unknown_count, stencil.neighbor_count, strict=True)
+    ):
+        assert np.all(stencil.neighbors[i, :unknown] < rows)
+        assert np.all(stencil.neighbors[i, unknown:count] >= rows)
+    listed = times_listed(stencil.neighbors, stencil.neighbor_count, 400)
     assert np.array_equal(listed, within(position, RADIUS)[:rows])
 
 

@@ -118,7 +118,7 @@ def test_least_pressure_is_the_least_of_a_particle_and_its_neighbors(rng):
     values, least = rng.normal(size=150), np.empty(150)
     pressure.least_pressure(values, stencil, least)
     for i in range(150):
-        listed = stencil.index[i, : stencil.unknown[i]]
+        listed = stencil.neighbors[i, : stencil.unknown_count[i]]
         assert least[i] == min([values[i], *values[listed]])
 
 

@@ -136,8 +136,8 @@ def couplings(strength, drag):
         grain_pressure=rng.uniform(0, 1e3, 150),
     )
     coupling = np.zeros((150, 150))
-    for i, count in enumerate(system.count):
-        coupling[i, system.index[i, :count]] = system.value[i, :count]
+    for i, count in enumerate(system.entries):
+        coupling[i, system.columns[i, :count]] = system.value[i, :count]
     return coupling, fraction, system.diagonal, density
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from debrisflow import boundary, checkpoint, simulation
-from debrisflow._jit import CACHE_DIRECTORY, set_threads
+from debrisflow._jit import set_threads
 from debrisflow.lattice import reference
 from debrisflow.linear import Solver
 from debrisflow.rheology import drag_coefficient
@@ -49,13 +49,17 @@ def dropped(rng, **tables):
 
 def drift_of_a_drop(scheme, state, until):
     """Return how much of the momentum that gravity gives is found too much or too little."""
-    before, mass = (
-        momentum_of(state.particles),
-        state.particles.density[state.particles.fluid].sum(),
-    )
+    p = state.particles
+    before, mass = momentum_of(p), p.density[p.fluid].sum()
     advance(scheme, state, until=until)
     expected = before + mass * scheme.gravity * state.time
     return np.abs(momentum_of(state.particles) - expected).max() / np.abs(expected).max()
+
+
+def noise_of(state, gravity):
+    """Return the kinetic energy of a drop that a fall from rest does not give."""
+    p = state.particles
+    return energy_of(p.density[p.fluid], p.velocity[p.fluid] - gravity * state.time)
 
 
 @compiled
@@ -66,21 +70,20 @@ def drift_of_a_drop(scheme, state, until):
 )
 def test_a_free_drop_gains_the_momentum_of_gravity_alone(rng, tables):
     scheme, state = dropped(rng, **tables)
-    # rounding of 100 steps; the forces between particles act: they stop the noise
-    assert drift_of_a_drop(scheme, state, until=0.1) < 1e-12
+    noise = noise_of(state, scheme.gravity)
+    assert drift_of_a_drop(scheme, state, until=0.1) < 1e-12  # rounding of 100 steps
     p = state.particles
     assert p.fluid_count == 144
     assert p.position[p.fluid, 1].min() > 0.8
-    noise = p.velocity[p.fluid] + [0.0, 9.81 * state.time, 0.0]
-    assert np.abs(noise).mean() < 0.7 * 0.025
+    # there was something to conserve: pressure and collisions have stopped the noise
+    assert noise_of(state, scheme.gravity) < 0.6 * noise
 
 
 @compiled
-@pytest.mark.xfail(strict=True, reason="the residual of the implicit exchange carries momentum")
 @pytest.mark.parametrize(
     "tables",
     [{"drag": {"law": "gidaspow"}}, {"strength": {"law": "coulomb"}}],
-    ids=lambda t: [*t][0],
+    ids=["drag", "strength"],
 )
 def test_a_free_drop_with_implicit_forces_gains_the_momentum_of_gravity_alone(rng, tables):
     assert drift_of_a_drop(*dropped(rng, **tables), until=0.1) < 1e-12
@@ -230,16 +233,24 @@ def test_still_water_stays_in_its_tank():
     assert np.abs(p.velocity[p.fluid]).max() < np.sqrt(2 * 9.81 * 0.01)
 
 
+@compiled
+def test_a_channel_may_be_empty_until_its_supply_arrives():
+    case = bed_case()
+    scheme, state = started(case.model_copy(update={"fill": ()}))
+    advance(scheme, state, until=0.05)
+    assert state.particles.fluid_count == state.entered.sum() > 0
+
+
 PROLOGUE = """
 import sys
-from debrisflow import operators
+from debrisflow import _jit, operators
 from tests.building import *
 """
 EPILOGUE = """
 modules = [m for name, m in sys.modules.items() if name.startswith("debrisflow")]
 kernels = {value for m in modules for value in vars(m).values() if hasattr(value, "stats")}
 counts = [(sum(k.stats.cache_misses.values()), sum(k.stats.cache_hits.values())) for k in kernels]
-print(*map(sum, zip(*counts)))
+print(*map(sum, zip(*counts)), _jit.CACHE_DIRECTORY)
 """
 DENSITY = """
 n = np.empty(64)
@@ -249,13 +260,14 @@ STEPS = "advance(*started(bed_case()), steps=2)\n"
 
 
 @compiled
-@pytest.mark.parametrize(("work", "is_fresh"), [(DENSITY, True), (STEPS, False)])
+@pytest.mark.parametrize(
+    ("work", "is_fresh"), [(DENSITY, True), (STEPS, False)], ids=["density", "step"]
+)
 def test_a_second_process_compiles_nothing(work, is_fresh, tmp_path):
     # a whole step takes half a minute to compile, so that it shares the cache of the other tests
     environment = dict(os.environ)
     if is_fresh:
         environment["XDG_CACHE_HOME"] = str(tmp_path)
-    folder = tmp_path if is_fresh else CACHE_DIRECTORY
     results = []
     for _ in range(2):
         run = subprocess.run(
@@ -266,10 +278,12 @@ def test_a_second_process_compiles_nothing(work, is_fresh, tmp_path):
             text=True,
             check=True,
         )
-        misses, hits = map(int, run.stdout.split())
-        results.append((misses, hits, {file for file in folder.rglob("*") if file.is_file()}))
+        misses, hits, folder = run.stdout.strip().split(maxsplit=2)
+        files = {file for file in Path(folder).rglob("*") if file.is_file()}
+        results.append((int(misses), int(hits), files))
     (first_misses, _, first_files), (misses, hits, files) = results
     assert first_misses > 0 or not is_fresh
     assert misses == 0
     assert hits > 0
     assert files == first_files
+    assert len(files) > hits  # an index and the code of each kernel, at least

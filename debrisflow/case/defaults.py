@@ -19,6 +19,7 @@ from debrisflow.case.tables import (
     Mixture,
     Output,
     Particles,
+    Scheme,
     Sediment,
     Strength,
     Table,
@@ -27,31 +28,31 @@ from debrisflow.case.tables import (
 )
 
 WEIR_SPACINGS = 4
+RELAXATION_STEPS = 50
 _Any = TypeVar("_Any", bound=Table)
 
-_FORMS: dict[str, dict[str, object]] = {
+_FORMS: dict[str, dict[str, str]] = {
     "stable": {
         "gradient": "sum",
         "interface": "symmetric",
         "free_surface": "asymmetry",
-        "density_correction": 0.02,
     },
     "study": {
         "gradient": "cmps",
         "interface": "study",
         "free_surface": "density",
-        "density_correction": 0.0,
     },
 }
 
 
 def complete(case: Case) -> Case:
     """Return the case with every default that follows from other fields filled in."""
+    step = _largest_step(case)
     tables: dict[str, Table | None] = {
         "geometry": _geometry(case.geometry, case.particles),
         "inflow": _inflow(case.inflow),
-        "scheme": _filled(case.scheme, **_FORMS[case.scheme.form]),
-        "time": _filled(case.time, largest_step=_largest_step(case)),
+        "scheme": _scheme(case.scheme, step),
+        "time": _filled(case.time, largest_step=step),
         "output": _output(case.output),
     }
     return case.model_copy(update=tables)
@@ -120,6 +121,12 @@ def _geometry(geometry: Tank | Channel, particles: Particles) -> Tank | Channel:
     if isinstance(geometry, Tank):
         return geometry
     return _filled(geometry, bed_end=bed_end(geometry, particles))
+
+
+def _scheme(scheme: Scheme, step: float) -> Scheme:
+    """Return the scheme with the choices of its form; density errors decay in fifty steps."""
+    relaxation = RELAXATION_STEPS * step if scheme.form == "stable" else 0.0
+    return _filled(scheme, **_FORMS[scheme.form], density_relaxation=relaxation)
 
 
 def _inflow(inflow: Inflow | None) -> Inflow | None:

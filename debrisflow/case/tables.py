@@ -248,8 +248,8 @@ class Scheme(Table):
     free_surface: Literal["asymmetry", "density"] | None = quantity(
         NONE, "detection by number density and asymmetry, or by number density alone", None
     )
-    density_correction: float | None = quantity(
-        NONE, "share of the density error corrected in one step", None, ge=0, le=1
+    density_relaxation: float | None = quantity(
+        "s", "time in which a density error decays; 0 for no correction", None, ge=0
     )
     courant: float = quantity(NONE, "greatest path of a particle in a step, in spacings", 0.2, gt=0)
     tolerance: float = quantity(

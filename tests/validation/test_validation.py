@@ -1,4 +1,4 @@
-"""Is the physics right: closed forms and experiments, with the tolerances that the README states."""
+"""Is the physics right: closed forms and experiments, with the tolerances of the README."""
 
 from __future__ import annotations
 
