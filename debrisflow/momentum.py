@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import prange
+from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
 from debrisflow.granular import collision_force_at
@@ -15,6 +18,48 @@ from debrisflow.rheology import (
     turbulent_viscosity,
     wall_friction,
 )
+
+Floats = NDArray[np.float64]
+
+
+class Matter(NamedTuple):
+    """What the particles are and how they move, as far as the exchange of momentum needs it.
+
+    Attributes
+    ----------
+    velocity : (n, 3) float64 array, m/s
+    density : (n,) float64 array, kg/m3
+    viscosity : (n,) float64 array, Pa s
+        Newtonian viscosity of the particle's phase.
+    sediment_fraction : (n,) float64 array
+        Volume of sediment in the particle.
+    concentration : (n,) float64 array
+        C around the particle.
+    shear_rate : (fluid particles,) float64 array, 1/s
+    grain_pressure : (n,) float64 array, Pa
+        Effective pressure between the grains of the bed.
+    """
+
+    velocity: Floats
+    density: Floats
+    viscosity: Floats
+    sediment_fraction: Floats
+    concentration: Floats
+    shear_rate: Floats
+    grain_pressure: Floats
+
+
+class Collisions(NamedTuple):
+    """Stress of colliding grains, (fluid particles,) float64 arrays; empty where there is none.
+
+    Attributes
+    ----------
+    pressure : Pa
+    viscosity : Pa s
+    """
+
+    pressure: Floats
+    viscosity: Floats
 
 
 @kernel
@@ -39,30 +84,24 @@ def viscous_force_at(i, velocity, viscosity, walls, stencil):
 
 
 @loop
-def predict(
-    dt,
-    gravity,
-    velocity,
-    density,
-    viscosity,
-    fraction,
-    grain_pressure,
-    grain_viscosity,
-    is_viscous,
-    has_collisions,
-    walls,
-    stencil,
-    predicted,
-):
+def predict(dt, gravity, matter, collisions, is_viscous, walls, stencil, predicted):
     """Write ``u* = u + dt (g + viscous force / rho - div P_s / rho)`` of the fluid particles."""
     fluid_count = predicted.shape[0]
+    has_collisions = collisions.pressure.size > 0
+    velocity, density = matter.velocity, matter.density
     for i in prange(fluid_count):
         x, y, z = 0.0, 0.0, 0.0
         if is_viscous:
-            x, y, z = viscous_force_at(i, velocity, viscosity, walls, stencil)
-        if has_collisions and fraction[i] > 0.0:
+            x, y, z = viscous_force_at(i, velocity, matter.viscosity, walls, stencil)
+        if has_collisions and matter.sediment_fraction[i] > 0.0:
             a, b, c = collision_force_at(
-                i, fluid_count, velocity, fraction, grain_pressure, grain_viscosity, stencil
+                i,
+                fluid_count,
+                velocity,
+                matter.sediment_fraction,
+                collisions.pressure,
+                collisions.viscosity,
+                stencil,
             )
             x += a
             y += b
@@ -73,24 +112,7 @@ def predict(
 
 
 @kernel
-def exchange_row_at(
-    i,
-    dt,
-    fluid_count,
-    velocity,
-    density,
-    viscosity,
-    fraction,
-    c,
-    shear_rate,
-    grain_pressure,
-    strength,
-    drag,
-    walls,
-    stencil,
-    system,
-    right,
-):
+def exchange_row_at(i, dt, fluid_count, matter, strength, drag, walls, stencil, system, right):
     """Write row i of the implicit exchange of momentum after the pressure projection.
 
         rho_i u_i + dt sum of K_ij (u_i - u_j) = rho_i u**_i
@@ -105,6 +127,9 @@ def exchange_row_at(
     """
     r_e, n0 = stencil.effective_radius, stencil.number_density
     factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * n0)
+    velocity, density, viscosity = matter.velocity, matter.density, matter.viscosity
+    fraction, c = matter.sediment_fraction, matter.concentration
+    shear_rate, grain_pressure = matter.shear_rate, matter.grain_pressure
     mu_i = viscosity[i] + turbulent_viscosity(density[i], shear_rate[i], strength)
     diagonal = density[i]
     x, y, z = (
@@ -162,47 +187,14 @@ def exchange_row_at(
 
 
 @loop
-def assemble_exchange(
-    dt,
-    fluid_count,
-    velocity,
-    density,
-    viscosity,
-    fraction,
-    c,
-    shear_rate,
-    grain_pressure,
-    strength,
-    drag,
-    walls,
-    stencil,
-    system,
-    right,
-):
+def assemble_exchange(dt, fluid_count, matter, strength, drag, walls, stencil, system, right):
     """Write the implicit exchange of momentum for every fluid particle.
 
     The system must take its columns from the stencil's neighbors; a neighbor whose velocity is
     given has the value 0 in its row and a part in the right side.
     """
     for i in prange(fluid_count):
-        exchange_row_at(
-            i,
-            dt,
-            fluid_count,
-            velocity,
-            density,
-            viscosity,
-            fraction,
-            c,
-            shear_rate,
-            grain_pressure,
-            strength,
-            drag,
-            walls,
-            stencil,
-            system,
-            right,
-        )
+        exchange_row_at(i, dt, fluid_count, matter, strength, drag, walls, stencil, system, right)
 
 
 @kernel

@@ -149,8 +149,7 @@ class SemiImplicit:
             limits.append(
                 granular.largest_collision_step(
                     p.concentration[p.fluid],
-                    self._collision_pressure,
-                    self._collision_viscosity,
+                    *self._collisions,
                     self._grains,
                     self.lattice.spacing,
                 )
@@ -224,8 +223,9 @@ class SemiImplicit:
         self._shear_rate = np.zeros(n)
         if self._is_implicit and p.fluid_count > 0:
             operators.shear_rate(p.velocity, self._walls, self._stencil, self._shear_rate)
+        self._collisions = momentum.Collisions(np.zeros(0), np.zeros(0))
         if self._has_collisions:
-            self._collision_pressure, self._collision_viscosity = np.zeros(n), np.zeros(n)
+            self._collisions = momentum.Collisions(np.zeros(n), np.zeros(n))
             granular.collision_state(
                 n,
                 p.velocity,
@@ -235,24 +235,28 @@ class SemiImplicit:
                 self._grains,
                 self._stencil,
                 p.granular_temperature,
-                self._collision_pressure,
-                self._collision_viscosity,
+                *self._collisions,
             )
 
+    def _matter(self, p: Particles, velocity: Floats) -> momentum.Matter:
+        return momentum.Matter(
+            velocity,
+            p.density,
+            self._viscosity[p.kind],
+            p.sediment_fraction,
+            p.concentration,
+            self._shear_rate,
+            p.grain_pressure,
+        )
+
     def _predict(self, p: Particles, dt: float) -> Floats:
-        none = np.zeros(0)
         velocity = p.velocity.copy()
         momentum.predict(
             dt,
             self.gravity,
-            p.velocity,
-            p.density,
-            self._viscosity[p.kind],
-            p.sediment_fraction,
-            self._collision_pressure if self._has_collisions else none,
-            self._collision_viscosity if self._has_collisions else none,
+            self._matter(p, p.velocity),
+            self._collisions,
             not self._is_implicit and self._viscosity.any(),
-            self._has_collisions,
             self._walls,
             self._stencil,
             velocity[p.fluid],
@@ -333,13 +337,7 @@ class SemiImplicit:
             momentum.assemble_exchange(
                 dt,
                 p.fluid_count,
-                velocity,
-                p.density,
-                self._viscosity[p.kind],
-                p.sediment_fraction,
-                p.concentration,
-                self._shear_rate,
-                p.grain_pressure,
+                self._matter(p, velocity),
                 self._strength,
                 self._drag,
                 self._walls,

@@ -101,9 +101,16 @@ def exchange_system(stencil, velocity, fraction, dt, strength=NO_STRENGTH, drag=
     density = 1000.0 + 1650.0 * fraction
     system, right = empty_system(stencil.neighbors), np.zeros((count, 3))
     momentum.assemble_exchange(
-        dt, count, velocity, density, viscosity, fraction, c, shear_rate, grain_pressure,
-        strength, drag, no_walls(count), stencil, system, right,
-    )  # fmt: skip
+        dt,
+        count,
+        momentum.Matter(velocity, density, viscosity, fraction, c, shear_rate, grain_pressure),
+        strength,
+        drag,
+        no_walls(count),
+        stencil,
+        system,
+        right,
+    )
     return system, right, density
 
 

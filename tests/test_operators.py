@@ -236,10 +236,9 @@ def test_the_viscous_force_conserves_momentum(patch, rng):
     found = np.empty_like(velocity)
     viscosity = rng.choice([0.0, 1e-3, 10.0], 200)
     walls = no_walls(200)
-    momentum.predict(
-        1.0, NOWHERE, velocity, density, viscosity, np.zeros(200), NONE, NONE, True, False,
-        walls, stencil, found,
-    )  # fmt: skip
+    matter = momentum.Matter(velocity, density, viscosity, np.zeros(200), NONE, NONE, NONE)
+    no_collisions = momentum.Collisions(NONE, NONE)
+    momentum.predict(1.0, NOWHERE, matter, no_collisions, True, walls, stencil, found)
     force = density[:, None] * (found - velocity)
     assert np.abs(force).max() > 1.0
     assert balance(force) < EXACT
@@ -251,10 +250,9 @@ def test_the_collision_stress_conserves_momentum_and_spares_water(patch, rng):
     fraction = rng.choice([0.0, 0.4, 1.0], 200)
     grain_pressure, viscosity = rng.uniform(0, 1e3, 200), rng.uniform(0, 10.0, 200)
     walls = no_walls(200)
-    momentum.predict(
-        1.0, NOWHERE, velocity, density, NONE, fraction, grain_pressure, viscosity, False, True,
-        walls, stencil, found,
-    )  # fmt: skip
+    matter = momentum.Matter(velocity, density, NONE, fraction, NONE, NONE, NONE)
+    collisions = momentum.Collisions(grain_pressure, viscosity)
+    momentum.predict(1.0, NOWHERE, matter, collisions, False, walls, stencil, found)
     force = density[:, None] * (found - velocity)
     assert balance(force) < EXACT
     assert np.all(force[fraction == 0.0] == 0.0)
