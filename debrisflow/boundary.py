@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from debrisflow import geometry
 from debrisflow._jit import kernel, loop
 from debrisflow.case import tables
-from debrisflow.operators import WallSurface, height_over
-from debrisflow.particles import Kind, Particles, blank, set_material
+from debrisflow.operators import WallSurface, contact
+from debrisflow.particles import Kind, Particles, supply, supply_column
 from debrisflow.state import State
 
 Floats = NDArray[np.float64]
+CONTACT_REACH = 1.5  # spacings within which a wall particle can be touched
 
 
 def wall_surface(particles: Particles, case: tables.Case) -> WallSurface:
@@ -37,8 +38,8 @@ def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, 
     Two particles nearer than ``distance`` that approach each other exchange the impulse of a
     collision with the given restitution, evaluated from the same velocities for both, so that
     momentum is conserved; inflow particles have infinite mass.  A wall acts as the plane of its
-    surface: a particle nearer to it than ``distance - d0/2`` loses its approach along the normal
-    and slides freely.  Without collisions a dam break blows up.
+    surface: a particle nearer to it than ``distance - d0/2`` bounces along the normal with the
+    same restitution and slides freely.  Without collisions a dam break blows up.
     """
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     u0, v0, w0 = u, v, w
@@ -46,7 +47,7 @@ def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, 
     near_wall = False
     for k in range(stencil.neighbor_count[i]):
         inverse = stencil.inverse[i, k]
-        if inverse * 1.5 * d0 < 1.0:
+        if inverse * CONTACT_REACH * d0 < 1.0:
             continue
         j = stencil.neighbors[i, k]
         near_wall = near_wall or j >= stencil.wall_from
@@ -65,12 +66,12 @@ def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, 
     if not near_wall:
         return u, v, w
     for k in range(stencil.neighbor_count[i]):
-        j = stencil.neighbors[i, k]
-        if j < stencil.wall_from or walls.depth[j] > d0 or stencil.inverse[i, k] * 1.5 * d0 < 1.0:
+        height, nx, ny, nz = contact(i, k, walls, stencil)
+        if height >= distance - 0.5 * d0:
             continue
-        nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
+        j = stencil.neighbors[i, k]
         approach = (velocity[j, 0] - u) * nx + (velocity[j, 1] - v) * ny + (velocity[j, 2] - w) * nz
-        if height_over(i, k, walls, stencil) < distance - 0.5 * d0 and approach > 0.0:
+        if approach > 0.0:
             u += (1.0 + restitution) * approach * nx
             v += (1.0 + restitution) * approach * ny
             w += (1.0 + restitution) * approach * nz
@@ -84,25 +85,6 @@ def collide(fluid_count, velocity, density, walls, distance, restitution, stenci
         collided[i, 0], collided[i, 1], collided[i, 2] = collide_at(
             i, fluid_count, velocity, density, walls, distance, restitution, stencil
         )
-
-
-def supply(case: tables.Case, time: float) -> tuple[float, float]:
-    """Return velocity, m/s, and sediment concentration of the supply at a time.
-
-    The velocity gives the discharge through the whole rows of particles that stand for the depth.
-    Nothing is supplied before t = 0.
-    """
-    inflow = case.inflow
-    if inflow is None or time < 0.0:
-        return 0.0, 0.0
-    if isinstance(inflow.hydrograph, tables.Hydrograph):
-        h = inflow.hydrograph
-        discharge = float(np.interp(time, h.time, h.discharge))
-        concentration = float(np.interp(time, h.time, h.concentration))
-    else:
-        assert inflow.discharge is not None
-        discharge, concentration = inflow.discharge, inflow.concentration
-    return discharge / (geometry.inflow_rows(case) * case.particles.spacing), concentration
 
 
 def advance_supply(state: State, case: tables.Case, dt: float) -> None:
@@ -136,20 +118,14 @@ def _release(state: State, rows: NDArray[np.int64]) -> None:
 
 def _add_column(state: State, case: tables.Case, concentration: float) -> None:
     """Add a column of supply behind the last one; its sediment follows the concentration."""
-    particles, d0 = state.particles, case.particles.spacing
+    particles = state.particles
     count = geometry.inflow_rows(case)
-    column = blank(count)
-    column.position[:, 0] = particles.position[particles.inflow, 0].min() - d0
-    column.position[:, 1] = (np.arange(count) + 0.5) * d0
-    column.velocity[:, 0] = supply(case, state.time)[0]
-    set_material(column, slice(None), Kind.LIQUID, case)
     state.supply_sediment += concentration * count
     due = int(state.supply_sediment)
     state.supply_sediment -= due
-    # Seeded by the column's number, so that a resumed run draws the same.
-    rng = np.random.default_rng([case.particles.seed, state.supply_columns])
-    set_material(column, rng.permutation(count)[:due], Kind.SEDIMENT, case)
-    column.kind[:] = Kind.INFLOW
+    x = particles.position[particles.inflow, 0].min() - case.particles.spacing
+    column = supply_column(case, state.supply_columns, x, due)
+    column.velocity[:, 0] = supply(case, state.time)[0]
     column.id[:] = state.next_id + np.arange(count)
     particles.insert(particles.inflow.stop, column)
     particles.inflow_count += count
@@ -157,25 +133,37 @@ def _add_column(state: State, case: tables.Case, concentration: float) -> None:
     state.next_id += count
 
 
+def wrap(particles: Particles, domain: geometry.Domain) -> None:
+    """Bring fluid particles that passed the end of a period back to its beginning."""
+    for axis in np.nonzero(domain.period > 0.0)[0]:
+        particles.position[particles.fluid, axis] %= domain.period[axis]
+
+
 def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> None:
     """Remove fluid particles outside the domain and count them by phase.
 
-    What is found beside closed walls below their rim, or under the floor, went through a wall;
-    all else left through an open end or over the rim.
+    What is found under the floor, above a ceiling, or beside a closed side below its rim went
+    through a wall; all else left through an open end or over the rim.
     """
-    particles = state.particles
-    position = particles.position[particles.fluid]
-    wraps = domain.period > 0.0
-    if wraps.any():
-        position[:, wraps] %= domain.period[wraps]
-    outside = np.any((position < domain.lower) | (position > domain.upper), axis=1)
-    level = geometry.floor_level(case, position[:, 0])
-    sunk = position[:, 1] < level - case.particles.spacing
-    gone = outside | sunk
+    particles, d0 = state.particles, case.particles.spacing
+    x, y, _ = particles.position[particles.fluid].T
+    # lenient by one spacing to the sides too, where the floor has a step
+    level = np.minimum(geometry.floor_level(case, x - d0), geometry.floor_level(case, x + d0))
+    sunk = y < level - d0
+    beyond_left, beyond_right = x < domain.lower[0], x > domain.upper[0]
+    above = y > domain.upper[1]
+    gone = sunk | beyond_left | beyond_right | above
     if not gone.any():
         return
-    beside = (position[:, 0] < domain.lower[0]) | (position[:, 0] > domain.upper[0])
-    leaked = (sunk & ~beside) | (gone & (position[:, 1] < domain.rim))
+    left, right, top = domain.closed
+    below_rim = y < domain.rim
+    outside = beyond_left | beyond_right
+    leaked = (
+        (beyond_left & below_rim & left)
+        | (beyond_right & below_rim & right)
+        | (above & ~outside & top)
+        | (sunk & ~outside)
+    )
     kind = particles.kind[particles.fluid]
     phases = state.left.size
     state.left += np.bincount(kind[gone & ~leaked], minlength=phases)

@@ -10,6 +10,7 @@ import click
 from debrisflow import __version__
 from debrisflow.errors import DebrisflowError
 
+INTERRUPTED = 130  # as a shell has it
 _PATH = click.Path(path_type=Path)
 
 
@@ -23,6 +24,9 @@ class Commands(click.Group):
         except DebrisflowError as error:
             click.echo(error, err=True)
             ctx.exit(error.exit_code)
+        except KeyboardInterrupt:
+            click.echo("interrupted; a run goes on with: debrisflow resume RUN", err=True)
+            ctx.exit(INTERRUPTED)
 
 
 _case = click.argument("case", metavar="CASE", type=_PATH)
@@ -35,7 +39,9 @@ _overrides = click.option(
     help="Change a value of the case, as in --set time.end=2; may be repeated.",
 )
 _threads = click.option(
-    "--threads", type=click.IntRange(min=1), help="Threads to use; all cores if left out."
+    "--threads",
+    type=click.IntRange(min=1),
+    help="Threads to use; if left out, as many as the case keeps busy.",
 )
 
 

@@ -9,7 +9,7 @@ from debrisflow.series import Series
 
 COLUMNS = ("time", "x", "deposit_height", "flow_height", "concentration")
 HEAD = (
-    "time: s; negative while the fills settle before the start",
+    "time: s",
     "x: m, along the bed; middle of a bin 2 spacings wide",
     "deposit_height: m above the fixed floor (under a bed: the bottom of its recess), along its",
     "  normal; top of the particles that follow each other upward from the floor without a gap",

@@ -63,7 +63,7 @@ class Forecast:
                 f"largest speed  {self.largest_speed:.3g} m/s by free fall, "
                 f"there the step is {self.smallest_step:.3g} s",
                 "c/u            none: the semi-implicit scheme is incompressible",
-                f"steps          at most about {self.steps:,}",
+                f"steps          about {self.steps:,} at that step",
                 f"memory         {size(self.memory)}",
                 f"disk           {size(self.disk)} in {self.frames:,} particle files",
             ]

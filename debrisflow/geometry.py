@@ -58,13 +58,16 @@ class Domain(NamedTuple):
     period : (3,) float64 array, m
         Period along each axis; 0 where the domain does not repeat.
     rim : float
-        Height, m, below which the sides are closed by walls; -inf where they are open.
+        Height of the side walls, m.
+    closed : tuple of bool
+        Whether there is a wall on the left, on the right and on top.
     """
 
     lower: Floats
     upper: Floats
     period: Floats
     rim: float
+    closed: tuple[bool, bool, bool]
 
 
 def domain(case: tables.Case) -> Domain:
@@ -74,19 +77,20 @@ def domain(case: tables.Case) -> Domain:
     wall or its rim.
     """
     shape, d0 = case.geometry, case.particles.spacing
+    sides = not shape.periodic
     if isinstance(shape, tables.Tank):
-        length, lowest, highest, rim = shape.width, 0.0, 4.0 * shape.height, shape.height
-        right = length + d0
+        length, lowest = shape.width, 0.0
+        highest = shape.height + d0 if shape.ceiling else 4.0 * shape.height
+        right, closed = length + d0, (sides, sides, shape.ceiling)
     else:
-        length, lowest, highest, rim = shape.length, -shape.bed_thickness, shape.height, -np.inf
-        right = length
-    left = -wall_layers(case) * d0 if case.inflow else -d0
-    lower = np.array([left, lowest - d0, -d0])
+        length, lowest, highest = shape.length, -shape.bed_thickness, shape.height
+        right, closed = length, (sides, False, False)
+    lower = np.array([-d0, lowest - d0, -d0])
     upper = np.array([right, highest, d0])
     period = np.array([length if shape.periodic else 0.0, 0.0, 0.0])
     if shape.periodic:
         lower[0], upper[0] = -np.inf, np.inf
-    return Domain(lower, upper, period, rim)
+    return Domain(lower, upper, period, shape.height, closed)
 
 
 def floor_level(case: tables.Case, x: Floats) -> Floats:
@@ -143,11 +147,6 @@ def inflow_rows(case: tables.Case) -> int:
     return max(1, _cells(case.inflow.depth, case.particles.spacing))
 
 
-def inflow_columns(case: tables.Case) -> Floats:
-    """Return the columns of supply particles that wait behind x = 0, as (n, 3) positions, m."""
-    return _lattice(-wall_layers(case), 0, 0, inflow_rows(case), case.particles.spacing)
-
-
 def _cells(length: float, d0: float) -> int:
     return round(length / d0)
 
@@ -195,8 +194,9 @@ def _channel_cells(
     name[np.ix_(in_bed, y < 0)] = np.where(solid[np.ix_(in_bed, y < 0)], BED, -1)
     if not shape.periodic:
         name[np.ix_(x >= end, y >= 0)] = np.where(solid[np.ix_(x >= end, y >= 0)], RIGHT, -1)
-        if case.inflow is None:
-            name[np.ix_(x < 0, y >= 0)] = LEFT
+        # the supply comes through an opening in the wall, so that nothing flows back over it
+        sill = 0 if case.inflow is None else inflow_rows(case)
+        name[np.ix_(x < 0, y >= sill)] = LEFT
     return x, y, name, name >= 0
 
 

@@ -9,7 +9,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.operators import shear_rate_at
+from debrisflow.operators import number_density_at, shear_rate_at
 
 Floats = NDArray[np.float64]
 
@@ -139,7 +139,11 @@ def concentration(fluid_count, fraction, stencil, c):
 def collision_state(
     fluid_count, velocity, fraction, c, walls, grains, stencil, temperature, pressure, viscosity
 ):
-    """Write granular temperature, pressure and viscosity of the particles that hold sediment."""
+    """Write granular temperature, pressure and viscosity of the particles that hold sediment.
+
+    The pressure fades from n = n0 to 0.8 n0: at a free surface it would throw out the particles
+    whose scatter then feeds it.
+    """
     for i in prange(fluid_count):
         temperature[i] = 0.0
         pressure[i] = 0.0
@@ -153,7 +157,9 @@ def collision_state(
                 temperature[i] = neighborhood_temperature_at(
                     i, fluid_count, velocity, fraction, stencil
                 )
-            pressure[i] = granular_pressure(clipped, temperature[i], grains)
+            n, _ = number_density_at(i, stencil)
+            inside = min(max(5.0 * (n / stencil.number_density - 0.8), 0.0), 1.0)
+            pressure[i] = inside * granular_pressure(clipped, temperature[i], grains)
             viscosity[i] = granular_viscosity(clipped, temperature[i], grains)
 
 
@@ -182,17 +188,22 @@ def collision_force_at(i, fluid_count, velocity, fraction, pressure, viscosity, 
 
 
 def largest_collision_step(
-    c: Floats, pressure: Floats, viscosity: Floats, grains: Grains, spacing: float
+    c: Floats,
+    density: Floats,
+    pressure: Floats,
+    viscosity: Floats,
+    grains: Grains,
+    spacing: float,
 ) -> float:
     """Return the greatest stable time step of the explicit collision stress, s.
 
-    0.2 d0 / c_s with ``c_s^2 = (P / rho_s) (2 + g0 / 3)``, and 0.2 d0^2 rho_s / mu_s.
+    0.2 d0 / c_s with ``c_s^2 = (P / rho) (2 + g0 / 3)``, and 0.2 d0^2 rho / mu_s.
     """
     g0 = 1.0 / (
         1.0 - (np.minimum(c, grains.largest_concentration) / grains.packing_limit) ** (1 / 3)
     )
-    speed = np.sqrt(np.max(pressure / grains.density * (2.0 + g0 / 3.0), initial=0.0))
-    diffusivity = np.max(viscosity, initial=0.0) / grains.density
+    speed = np.sqrt(np.max(pressure / density * (2.0 + g0 / 3.0), initial=0.0))
+    diffusivity = np.max(viscosity / density, initial=0.0)
     limits = [0.2 * spacing / speed if speed > 0.0 else np.inf]
     limits.append(0.2 * spacing**2 / diffusivity if diffusivity > 0.0 else np.inf)
     return float(min(limits))

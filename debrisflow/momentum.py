@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
 from debrisflow.granular import collision_force_at
-from debrisflow.operators import height_over, velocity_difference, wall_distance
+from debrisflow.operators import contact, velocity_difference, wall_distance
 from debrisflow.rheology import (
     drag_coefficient,
     frictional_viscosity,
@@ -122,7 +122,8 @@ def exchange_row_at(i, dt, fluid_count, matter, strength, drag, walls, stencil, 
     the grains at the pair's mean pressure, shear rate and lesser concentration; the drag acts
     between water and sediment.  K is symmetric: what one particle loses the other gains.
     Coefficients are taken at the velocities given, one pass.  Walls and inflow have their own
-    velocity; a wall's is mirrored as in :func:`velocity_difference`.  Before the projection the
+    velocity; a wall's is mirrored as in :func:`velocity_difference`, and with a free-slip wall
+    nothing is exchanged.  Before the projection the
     same friction would leave the noise of the pressure in the bed and fluidize it.
     """
     r_e, n0 = stencil.effective_radius, stencil.number_density
@@ -205,19 +206,15 @@ def rub_at(i, dt, velocity, walls, stencil):
     spacing, acts on the part of the velocity along the wall; implicit, so that it never reverses.
     """
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    d0 = stencil.spacing
-    nearest, touched = d0, -1
+    nearest, touched = stencil.spacing, -1
+    nx, ny, nz = 0.0, 0.0, 0.0
     for k in range(stencil.neighbor_count[i]):
-        j = stencil.neighbors[i, k]
-        if j < stencil.wall_from or walls.depth[j] > 0.51 * d0 or walls.roughness[j] <= 0.0:
-            continue
-        h = height_over(i, k, walls, stencil)
-        along2 = stencil.inverse[i, k] ** -2 - (h + walls.depth[j]) ** 2
-        if h < nearest and along2 < d0 * d0:
-            nearest, touched = h, j
+        height, ax, ay, az = contact(i, k, walls, stencil)
+        if height < nearest and walls.roughness[stencil.neighbors[i, k]] > 0.0:
+            nearest, touched = height, k
+            nx, ny, nz = ax, ay, az
     if touched >= 0:
-        j = touched
-        nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
+        j = stencil.neighbors[i, touched]
         du, dv, dw = u - velocity[j, 0], v - velocity[j, 1], w - velocity[j, 2]
         normal = du * nx + dv * ny + dw * nz
         du, dv, dw = du - normal * nx, dv - normal * ny, dw - normal * nz

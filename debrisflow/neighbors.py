@@ -165,7 +165,7 @@ def _list(
 
 
 @loop
-def _largest_displacement(position, reference, partial):
+def _largest_displacement(position, reference, period, partial):
     """Write the greatest squared displacement of each block of particles."""
     n = position.shape[0]
     for block in prange(partial.size):
@@ -174,6 +174,12 @@ def _largest_displacement(position, reference, partial):
             dx = position[i, 0] - reference[i, 0]
             dy = position[i, 1] - reference[i, 1]
             dz = position[i, 2] - reference[i, 2]
+            if period[0] > 0.0:
+                dx -= period[0] * np.rint(dx / period[0])
+            if period[1] > 0.0:
+                dy -= period[1] * np.rint(dy / period[1])
+            if period[2] > 0.0:
+                dz -= period[2] * np.rint(dz / period[2])
             largest = max(largest, dx * dx + dy * dy + dz * dz)
         partial[block] = largest
 
@@ -189,7 +195,7 @@ class Neighbors:
     effective_radius, spacing : float
         Influence radius and particle spacing, m.
     period : (3,) float64 array, m
-        Period along each axis, 0 where there is none.
+        Period along each axis, 0 where there is none; else at least three list radii.
     skin : float
         Skin in spacings.
 
@@ -248,7 +254,7 @@ class Neighbors:
         if position.shape != self._reference.shape or rows != self.count.size:
             return True
         partial = np.empty(16)
-        _largest_displacement(position, self._reference, partial)
+        _largest_displacement(position, self._reference, self.period, partial)
         return bool(partial.max() > (0.5 * self.skin) ** 2)
 
 

@@ -209,6 +209,32 @@ def height_over(i, k, walls, stencil):
 
 
 @kernel
+def contact(i, k, walls, stencil):
+    """Return height over and normal of the wall face that neighbor k shows to particle i.
+
+    Infinite if the neighbor is no wall, lies deeper than the first layer, or is not under
+    particle i: each first-layer particle answers for the d0 of surface in front of it.  At an edge
+    the normal of the particle is oblique, and the face that looks at i counts.
+    """
+    j = stencil.neighbors[i, k]
+    d0 = stencil.spacing
+    if j < stencil.wall_from or walls.depth[j] > 0.75 * d0:
+        return np.inf, 0.0, 0.0, 0.0
+    dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
+    nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
+    if max(abs(nx), abs(ny), abs(nz)) < 0.99:
+        ax, ay, az = abs(dx), abs(dy), abs(dz)
+        nx = -np.sign(dx) if ax >= ay and ax >= az else 0.0
+        ny = -np.sign(dy) if ay > ax and ay >= az else 0.0
+        nz = -np.sign(dz) if az > ax and az > ay else 0.0
+    above = -(dx * nx + dy * ny + dz * nz)
+    aside2 = dx * dx + dy * dy + dz * dz - above * above
+    if above <= 0.0 or aside2 > 0.2501 * d0 * d0:
+        return np.inf, 0.0, 0.0, 0.0
+    return above - 0.5 * d0, nx, ny, nz
+
+
+@kernel
 def wall_distance(i, k, walls, stencil):
     """Return the height over the wall, not below d0/2, the height of the first row, m."""
     return max(height_over(i, k, walls, stencil), 0.5 * stencil.spacing)

@@ -174,13 +174,9 @@ def seed(case: tables.Case) -> Particles:
     rng = np.random.default_rng(case.particles.seed)
     groups = [_filled(block, case, rng) for block in case.fill]
     fluid_count = sum(g.count for g in groups)
-    inflow_count = 0
-    if case.inflow is not None:
-        supply = _placed(geometry.inflow_columns(case))
-        set_material(supply, slice(None), Kind.LIQUID, case)
-        supply.kind[:] = Kind.INFLOW
-        groups.append(supply)
-        inflow_count = supply.count
+    columns = _first_columns(case) if case.inflow is not None else []
+    inflow_count = sum(column.count for column in columns)
+    groups += columns
     solid = _walls(case)
     wall_count = int(np.count_nonzero(solid.kind == Kind.WALL))
     particles = solid
@@ -191,6 +187,56 @@ def seed(case: tables.Case) -> Particles:
     particles.inflow_count = inflow_count
     particles.wall_count = wall_count
     return particles
+
+
+def supply(case: tables.Case, time: float) -> tuple[float, float]:
+    """Return velocity, m/s, and sediment concentration of the supply at a time.
+
+    The velocity gives the discharge through the whole rows of particles that stand for the depth.
+    Nothing is supplied before t = 0.
+    """
+    inflow = case.inflow
+    if inflow is None or time < 0.0:
+        return 0.0, 0.0
+    if isinstance(inflow.hydrograph, tables.Hydrograph):
+        h = inflow.hydrograph
+        discharge = float(np.interp(time, h.time, h.discharge))
+        concentration = float(np.interp(time, h.time, h.concentration))
+    else:
+        assert inflow.discharge is not None
+        discharge, concentration = inflow.discharge, inflow.concentration
+    return discharge / (geometry.inflow_rows(case) * case.particles.spacing), concentration
+
+
+def supply_column(case: tables.Case, number: int, x: float, sediment: int) -> Particles:
+    """Return a column of waiting supply at x, of which ``sediment`` particles are rock.
+
+    Their rows are drawn with the column's number as seed, so that a resumed run draws the same.
+    """
+    d0, count = case.particles.spacing, geometry.inflow_rows(case)
+    column = blank(count)
+    column.position[:, 0] = x
+    column.position[:, 1] = (np.arange(count) + 0.5) * d0
+    set_material(column, slice(None), Kind.LIQUID, case)
+    rng = np.random.default_rng([case.particles.seed, number])
+    set_material(column, rng.permutation(count)[:sediment], Kind.SEDIMENT, case)
+    column.kind[:] = Kind.INFLOW
+    return column
+
+
+def supplied_sediment(case: tables.Case, columns: int) -> float:
+    """Return how many sediment particles the first columns hold by the concentration at t = 0."""
+    return supply(case, 0.0)[1] * geometry.inflow_rows(case) * columns
+
+
+def _first_columns(case: tables.Case) -> list[Particles]:
+    """Return the columns that wait behind x = 0 at the start, the foremost first."""
+    d0 = case.particles.spacing
+    due = [int(supplied_sediment(case, n)) for n in range(geometry.wall_layers(case) + 1)]
+    return [
+        supply_column(case, n, -(n + 0.5) * d0, due[n + 1] - due[n])
+        for n in range(geometry.wall_layers(case))
+    ]
 
 
 def _placed(position: Floats) -> Particles:

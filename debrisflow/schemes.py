@@ -11,18 +11,21 @@ from numpy.typing import NDArray
 
 from debrisflow import boundary, geometry, granular, momentum, operators, pressure
 from debrisflow.case import tables
-from debrisflow.errors import NotConvergedError
+from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.lattice import reference
 from debrisflow.linear import Solver, remove_mean
 from debrisflow.measures import gravity_vector
 from debrisflow.neighbors import Neighbors, order_by_cell
-from debrisflow.particles import Kind, Particles
+from debrisflow.particles import Kind, Particles, supply
 from debrisflow.rheology import DragLaw, Strength
 from debrisflow.state import State
 from debrisflow.system import empty_system, residual
 
 Floats = NDArray[np.float64]
 DIMENSION = 2
+GRAIN_TOLERANCE = 1.0e-3
+# tight, because what is left undone is given back to particles that had no part in it
+EXCHANGE_TOLERANCE = 1.0e-6
 
 
 class SemiImplicit:
@@ -76,8 +79,8 @@ class SemiImplicit:
         )
         self._density_rate = 1.0 / scheme.density_relaxation if scheme.density_relaxation else 0.0
         self._pressure_solver = Solver(scheme.tolerance, symmetric)
-        self._grain_solver = Solver(1.0e-3)
-        self._exchange_solvers = [Solver(1.0e-4) for _ in range(DIMENSION)]
+        self._grain_solver = Solver(GRAIN_TOLERANCE)
+        self._exchange_solver = Solver(EXCHANGE_TOLERANCE)
 
     def _set_materials(self, case: tables.Case) -> None:
         sediment, strength = case.sediment, case.strength
@@ -130,7 +133,9 @@ class SemiImplicit:
         self.observe(state)
         p, m = state.particles, state.particles.unknown_count
         operators.number_density(self._stencil, p.number_density[:m], np.empty(m))
-        p.on_free_surface[:m] = p.number_density[:m] < self._surface.lower * self.lattice[4]
+        p.on_free_surface[:m] = (
+            p.number_density[:m] < self._surface.lower * self.lattice.number_density
+        )
 
     def stable_dt(self, state: State) -> float:
         """Return the greatest time step, s, that the state allows."""
@@ -140,7 +145,7 @@ class SemiImplicit:
         assert case.time.largest_step is not None
         speed = max(
             float(np.sqrt(np.max(np.sum(p.velocity[p.fluid] ** 2, axis=1), initial=0.0))),
-            boundary.supply(case, state.time)[0],
+            supply(case, state.time)[0],
         )
         limits = [case.time.largest_step]
         if speed > 0.0:
@@ -149,6 +154,7 @@ class SemiImplicit:
             limits.append(
                 granular.largest_collision_step(
                     p.concentration[p.fluid],
+                    p.density[p.fluid],
                     *self._collisions,
                     self._grains,
                     self.lattice.spacing,
@@ -167,8 +173,13 @@ class SemiImplicit:
         Raises
         ------
         NotConvergedError
-            If a linear system was not solved; the state is then as before.
+            If a linear system was not solved.
+        DivergedError
+            If a velocity is not finite.  Time, positions, velocities and pressures are then as
+            before in both cases.
         """
+        if self._observed_step != state.step:
+            self.observe(state)
         p = state.particles
         solved = p.pressure.copy()
 
@@ -187,11 +198,13 @@ class SemiImplicit:
         if self._is_rough:
             velocity = self._rub(p, velocity, dt)
 
+        self._check(state, velocity)
         with self._clock("motion"):
             p.pressure[:] = solved
             p.velocity[p.fluid] = velocity[p.fluid]
             p.position[p.fluid] += dt * velocity[p.fluid]
             boundary.advance_supply(state, self.case, dt)
+            boundary.wrap(p, self.domain)
             boundary.remove_leaving(state, self.case, self.domain)
         return iterations
 
@@ -201,7 +214,8 @@ class SemiImplicit:
             order = np.arange(p.count)
             order[p.fluid] = order_by_cell(p.position[p.fluid], self.lattice.spacing)
             p.take(order)
-            self._pressure_solver.forget()
+            for solver in (self._pressure_solver, self._grain_solver, self._exchange_solver):
+                solver.forget()
             self._near.build(p.position, p.unknown_count)
         elif self._near.is_stale(p.position, p.unknown_count):
             self._near.build(p.position, p.unknown_count)
@@ -220,6 +234,8 @@ class SemiImplicit:
             raw = np.zeros(n)
             granular.concentration(n, p.sediment_fraction, self._stencil, raw)
             granular.concentration(n, raw, self._stencil, p.concentration)
+        else:
+            p.concentration[p.fluid] = 0.0
         self._shear_rate = np.zeros(n)
         if self._is_implicit and p.fluid_count > 0:
             operators.shear_rate(p.velocity, self._walls, self._stencil, self._shear_rate)
@@ -346,16 +362,27 @@ class SemiImplicit:
                 right,
             )
             exchanged, rest = velocity.copy(), np.empty(p.unknown_count)
-            for axis, solver in enumerate(self._exchange_solvers):
+            for axis in range(DIMENSION):
                 self._room.right[:] = right[:, axis]
                 start = np.ascontiguousarray(velocity[: p.unknown_count, axis])
-                if solver.solve(self._room, start) < 0:
+                if self._exchange_solver.solve(self._room, start) < 0:
                     raise NotConvergedError("the exchange of momentum")
                 residual(self._room, self._room.right, start, rest)
                 # what the solver left undone is given back evenly, so that none is lost
                 start[p.fluid] += rest[p.fluid].sum() / p.density[p.fluid].sum()
                 exchanged[p.fluid, axis] = start[p.fluid]
         return exchanged
+
+    def _check(self, state: State, velocity: Floats) -> None:
+        p = state.particles
+        finite = np.isfinite(velocity[p.fluid]).all(axis=1)
+        if not finite.all():
+            worst = int(np.argmin(finite))
+            raise DivergedError(
+                f"at t = {state.time:g} s, step {state.step}, particle {p.id[worst]} at "
+                f"{p.position[worst, :DIMENSION]} m got the velocity "
+                f"{velocity[worst, :DIMENSION]} m/s"
+            )
 
     def _rub(self, p: Particles, velocity: Floats, dt: float) -> Floats:
         slowed = velocity.copy()

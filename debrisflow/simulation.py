@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import logging
 import platform
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.metadata import version
 from math import ceil
 from pathlib import Path
+from threading import current_thread, main_thread
 from time import perf_counter
 from typing import Any
 
-import numpy as np
 from tqdm import tqdm
 
 from debrisflow import checkpoint
@@ -19,12 +22,14 @@ from debrisflow.case import load_case, tables
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.history import history_row
 from debrisflow.measures import deposit_profile
-from debrisflow.output import CASE, RunFolder, Schedule
+from debrisflow.output import CASE, CHECKPOINT, RunFolder, Schedule
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import PHASES, State, initial_state
 
 LOG = logging.getLogger("debrisflow.simulation")
 MOST_HALVINGS = 6
+LEAST_STEP = 1.0e-5
+INTERRUPTED = "interrupted"
 FEWEST_PARTICLES_A_THREAD = 4000
 
 
@@ -62,8 +67,8 @@ def simulate(
 def resume(folder: Path, threads: int | None = None) -> dict[str, Any]:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`."""
     case = load_case(folder / CASE)
+    state = checkpoint.load(folder / CHECKPOINT)
     with RunFolder.open(folder) as results:
-        state = checkpoint.load(results.checkpoint_path)
         results.rewind(state.time)
         LOG.info("resumed at t = %g s, step %d", state.time, state.step)
         return _Run(case, results, state, threads).finish()
@@ -86,6 +91,7 @@ class _Run:
         self.deposits = Schedule(output.deposit_interval, 0.0, end)
         self.histories = Schedule(output.history_interval, start, end)
         self._owes_checkpoint = False
+        self._asked_to_stop = False
         self._particle_steps = 0
         self._first_step = state.step
         self._start = perf_counter()
@@ -101,13 +107,34 @@ class _Run:
     def finish(self) -> dict[str, Any]:
         """Run to the end of the simulated time and return the summary."""
         try:
-            reason = self._loop()
-        except (DivergedError, KeyboardInterrupt) as error:
+            with self._polite_interrupt():
+                reason = self._loop()
+        except DivergedError as error:
             checkpoint.save(self.results.checkpoint_path, self.state)
-            interrupted = isinstance(error, KeyboardInterrupt)
-            self._conclude("interrupted" if interrupted else str(error))
-            raise
-        return self._conclude(reason)
+            self._conclude(str(error))
+            message = f"{error}; the last good state is in {self.results.checkpoint_path}"
+            raise DivergedError(message) from error
+        summary = self._conclude(reason)
+        if reason == INTERRUPTED:
+            raise KeyboardInterrupt
+        return summary
+
+    @contextmanager
+    def _polite_interrupt(self) -> Iterator[None]:
+        """Let the first Ctrl-C end the run where it can be resumed bit for bit."""
+
+        def ask(*_: object) -> None:
+            self._asked_to_stop = True
+            signal.signal(signal.SIGINT, former)
+
+        if current_thread() is not main_thread():
+            yield
+            return
+        former = signal.signal(signal.SIGINT, ask)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, former)
 
     def _loop(self) -> str:
         state, end = self.state, self.case.time.end
@@ -121,7 +148,13 @@ class _Run:
             while state.time < end:
                 if state.particles.fluid_count + state.particles.inflow_count == 0:
                     return "no fluid is left"
-                self._save_if_owed()
+                at_fresh_start = state.step % self.scheme.REFRESH == 0
+                if at_fresh_start and (self._owes_checkpoint or self._asked_to_stop):
+                    # there the scheme starts afresh, so that a resumed run repeats the bits
+                    checkpoint.save(self.results.checkpoint_path, state)
+                    self._owes_checkpoint = False
+                if at_fresh_start and self._asked_to_stop:
+                    return INTERRUPTED
                 due = min(s.next_after(state.time) for s in self._schedules)
                 step = self._advance(due)
                 self.write(step)
@@ -136,10 +169,15 @@ class _Run:
         """Take one step, landing exactly on a due time; return the iterations of the pressure."""
         state = self.state
         longest = self.scheme.stable_dt(state)
+        assert self.case.time.largest_step is not None
+        if longest < LEAST_STEP * self.case.time.largest_step:
+            raise DivergedError(
+                f"at t = {state.time:g} s, step {state.step}, the time step has fallen to "
+                f"{longest:.3g} s: a particle is too fast or the collision stress too stiff"
+            )
         for _ in range(MOST_HALVINGS):
             steps = max(1, ceil((due - state.time) / longest * (1.0 - 1e-12)))
             dt = (due - state.time) / steps
-            self._check(dt)
             try:
                 iterations = self.scheme.step(state, dt)
             except NotConvergedError as error:
@@ -152,29 +190,9 @@ class _Run:
             self._particle_steps += state.particles.fluid_count
             return iterations
         raise DivergedError(
-            f"{self.results.path}: at t = {state.time:g} s, step {state.step}, a linear system was "
-            f"not solved even with a time step of {longest:.3g} s; the last good state is in "
-            f"{self.results.checkpoint_path}"
+            f"at t = {state.time:g} s, step {state.step}, a linear system was not solved even with "
+            f"a time step of {longest:.3g} s"
         )
-
-    def _check(self, dt: float) -> None:
-        """Stop a run that has lost its promise before the state is spoiled further."""
-        p = self.state.particles
-        if not np.isfinite(dt) or dt <= 0.0:
-            speed = np.linalg.norm(p.velocity[p.fluid], axis=1)
-            worst = int(np.argmax(np.where(np.isfinite(speed), speed, np.inf)))
-            raise DivergedError(
-                f"{self.results.path}: at t = {self.state.time:g} s, step {self.state.step}, "
-                f"particle {p.id[worst]} at {p.position[worst, :2]} m has the velocity "
-                f"{p.velocity[worst, :2]} m/s"
-            )
-
-    def _save_if_owed(self) -> None:
-        # A checkpoint waits for a step at which the scheme starts afresh, so that a resumed run
-        # repeats the bits.
-        if self._owes_checkpoint and self.state.step % self.scheme.REFRESH == 0:
-            checkpoint.save(self.results.checkpoint_path, self.state)
-            self._owes_checkpoint = False
 
     def write(self, iterations: int) -> None:
         """Write what is due at the time of the state."""

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import tables
-from debrisflow.particles import Particles, seed
+from debrisflow.geometry import wall_layers
+from debrisflow.particles import Particles, seed, supplied_sediment
 
 PHASES = ("liquid", "sediment", "mixture")
 
@@ -56,4 +57,8 @@ class State:
 def initial_state(case: tables.Case) -> State:
     """Return the state of a case at its start, before its fills relax."""
     particles = seed(case)
-    return State(particles, time=0.0 - case.time.relaxation, next_id=particles.count)
+    state = State(particles, time=0.0 - case.time.relaxation, next_id=particles.count)
+    if case.inflow is not None:
+        state.supply_columns = wall_layers(case)
+        state.supply_sediment = supplied_sediment(case, state.supply_columns) % 1.0
+    return state

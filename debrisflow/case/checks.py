@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
 from itertools import combinations, pairwise
-from math import isclose, isfinite
+from math import hypot, isclose, isfinite, sqrt
 from typing import Any
 
-from debrisflow.case.defaults import bed_end, viscous_limits
+from debrisflow.case.defaults import FEWEST_RELAXATION_STEPS, bed_end, viscous_limits
 from debrisflow.case.estimate import available_memory, estimate, size
 from debrisflow.case.problems import Problem
 from debrisflow.case.regions import covered, open_space
@@ -26,6 +26,7 @@ from debrisflow.case.tables import (
     Inflow,
     Mixture,
     Particles,
+    Scheme,
     Sediment,
     Strength,
     Table,
@@ -95,7 +96,9 @@ def intervals_in_order(
             yield Problem("geometry.bed_end", message, end)
 
 
-def lengths_on_lattice(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
+def lengths_on_lattice(
+    geometry: Geometry, particles: Particles, fill: Fill, inflow: Inflow | None
+) -> Problems:
     """Check that lengths are multiples of the spacing, so that the lattice has no gaps."""
     lengths: dict[str, float] = {}
     if isinstance(geometry, Tank):
@@ -104,6 +107,8 @@ def lengths_on_lattice(geometry: Geometry, particles: Particles, fill: Fill) -> 
         names = ["length", "bed_start", "bed_thickness", "weir_height"]
         names += ["bed_end"] if geometry.bed_end is not None else []
     lengths |= {f"geometry.{name}": getattr(geometry, name) for name in names}
+    if inflow is not None and inflow.depth >= particles.spacing:
+        lengths["inflow.depth"] = inflow.depth
     for k, block in enumerate(fill):
         if isinstance(block, Block):
             lengths |= {
@@ -205,9 +210,9 @@ def shares_of_mixes(fill: Fill) -> Problems:
             yield Problem(f"fill.{k}.sediment_share", message, part.sediment_share)
 
 
-def walls_that_drag(walls: Walls, geometry: Geometry, inflow: Inflow | None) -> Problems:
+def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
     """Check that a moving wall exists, moves along itself and lets no fluid slip."""
-    present = _walls_present(geometry, inflow)
+    present = _walls_present(geometry)
     for name, wall in walls:
         key, (along_x, along_y) = f"walls.{name}.velocity", wall.velocity
         if along_x == 0 and along_y == 0:
@@ -225,14 +230,14 @@ def walls_that_drag(walls: Walls, geometry: Geometry, inflow: Inflow | None) -> 
         yield Problem(key, message, wall.velocity)
 
 
-def _walls_present(geometry: Geometry, inflow: Inflow | None) -> dict[str, bool]:
+def _walls_present(geometry: Geometry) -> dict[str, bool]:
     """Tell which of the named walls a geometry has."""
     closed = not geometry.periodic
     tank = isinstance(geometry, Tank)
     return {
         "floor": True,
         "bed": isinstance(geometry, Channel) and geometry.bed_thickness > 0,
-        "left": closed and (tank or inflow is None),
+        "left": closed,
         "right": closed and (tank or (isinstance(geometry, Channel) and geometry.weir_height > 0)),
         "ceiling": isinstance(geometry, Tank) and geometry.ceiling,
     }
@@ -338,18 +343,38 @@ def step_within_limits(
     mixture: Mixture,
     strength: Strength,
     drag: Drag,
+    gravity: Gravity,
 ) -> Problems:
-    """Check that the largest step keeps within the limit of explicit viscosity."""
+    """Check that the largest step keeps within the limits of explicit viscosity and gravity."""
     if time.largest_step is None:
         return
     limits = viscous_limits(particles, fill, inflow, water, sediment, mixture, strength, drag)
     phase = min(limits, key=lambda name: limits[name], default=None)
+    fall = hypot(*gravity.components)
     if phase and time.largest_step > limits[phase] * (1 + TOLERANCE):
         message = (
             f"above the limit of explicit viscosity in {phase}, "
             f"0.2 spacing^2 density / viscosity = {limits[phase]:.3g} s"
         )
         yield Problem("time.largest_step", message, time.largest_step)
+    elif fall > 0 and time.largest_step > 0.1 * sqrt(particles.spacing / fall):
+        message = (
+            "gravity would move a particle by more than a hundredth of the spacing in a step; "
+            f"at most 0.1 sqrt(spacing / gravity) = {0.1 * sqrt(particles.spacing / fall):.3g} s"
+        )
+        yield Problem("time.largest_step", message, time.largest_step)
+
+
+def density_relaxation_slow(particles: Particles, scheme: Scheme, time: Time) -> Problems:
+    """Check that a density error does not decay within few steps, which throws the fluid."""
+    step, relaxation = time.largest_step, scheme.density_relaxation
+    if step is None or not relaxation:
+        return
+    if relaxation < FEWEST_RELAXATION_STEPS * step * (1 - TOLERANCE):
+        message = (
+            f"must be 0 or at least {FEWEST_RELAXATION_STEPS} times time.largest_step = {step:g} s"
+        )
+        yield Problem("scheme.density_relaxation", message, relaxation)
 
 
 def memory_suffices(
@@ -383,5 +408,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     hydrograph_in_order,
     concentrations_below_packing,
     step_within_limits,
+    density_relaxation_slow,
     memory_suffices,
 )

@@ -29,6 +29,7 @@ from debrisflow.case.tables import (
 
 WEIR_SPACINGS = 4
 RELAXATION_STEPS = 50
+FEWEST_RELAXATION_STEPS = 10
 _Any = TypeVar("_Any", bound=Table)
 
 _FORMS: dict[str, dict[str, str]] = {
@@ -51,7 +52,7 @@ def complete(case: Case) -> Case:
     tables: dict[str, Table | None] = {
         "geometry": _geometry(case.geometry, case.particles),
         "inflow": _inflow(case.inflow),
-        "scheme": _scheme(case.scheme, step),
+        "scheme": _scheme(case.scheme, step, case.time.largest_step or step),
         "time": _filled(case.time, largest_step=step),
         "output": _output(case.output),
     }
@@ -123,9 +124,14 @@ def _geometry(geometry: Tank | Channel, particles: Particles) -> Tank | Channel:
     return _filled(geometry, bed_end=bed_end(geometry, particles))
 
 
-def _scheme(scheme: Scheme, step: float) -> Scheme:
-    """Return the scheme with the choices of its form; density errors decay in fifty steps."""
-    relaxation = RELAXATION_STEPS * step if scheme.form == "stable" else 0.0
+def _scheme(scheme: Scheme, step: float, largest: float) -> Scheme:
+    """Return the scheme with the choices of its form; density errors decay in fifty steps.
+
+    Of the step that gravity and viscosity allow, so that a shorter ``largest`` step leaves the
+    time of the decay as it is.
+    """
+    slow = max(RELAXATION_STEPS * step, FEWEST_RELAXATION_STEPS * largest)
+    relaxation = slow if scheme.form == "stable" else 0.0
     return _filled(scheme, **_FORMS[scheme.form], density_relaxation=relaxation)
 
 

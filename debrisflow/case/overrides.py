@@ -10,7 +10,7 @@ from debrisflow.case.problems import Problem
 
 # Fields of which one stands for the others: setting it takes the others out of the file.
 _ALTERNATIVES = (
-    ({"inflow.discharge"}, {"inflow.velocity"}, {"inflow.hydrograph", "inflow.concentration"}),
+    ({"inflow.discharge"}, {"inflow.velocity"}, {"inflow.hydrograph"}),
     ({"gravity.vector"}, {"gravity.acceleration", "gravity.slope"}),
 )
 

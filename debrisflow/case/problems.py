@@ -127,7 +127,8 @@ def either(choices: Iterable[str]) -> str:
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
     """Return ``; did you mean '…'?`` for the known word that is nearest, or nothing."""
-    near = get_close_matches(str(word).lower(), list(known), n=1, cutoff=0.6)
+    others = [name for name in known if name != word]
+    near = get_close_matches(str(word).lower(), others, n=1, cutoff=0.6)
     return f"; did you mean '{near[0]}'?" if near else ""
 
 

@@ -251,7 +251,9 @@ class Scheme(Table):
     density_relaxation: float | None = quantity(
         "s", "time in which a density error decays; 0 for no correction", None, ge=0
     )
-    courant: float = quantity(NONE, "greatest path of a particle in a step, in spacings", 0.2, gt=0)
+    courant: float = quantity(
+        NONE, "greatest path of a particle in a step, in spacings", 0.2, gt=0, le=1
+    )
     tolerance: float = quantity(
         NONE, "relative residual of the pressure equation", 1.0e-4, gt=0, lt=1
     )

@@ -8,6 +8,8 @@ from pathlib import Path
 from debrisflow.case.problems import did_you_mean
 from debrisflow.errors import CaseError, OutputError
 
+SCHEMA = "case.schema.json"
+
 
 def templates() -> dict[str, Path]:
     """Return the shipped case files by name.
@@ -22,7 +24,7 @@ def templates() -> dict[str, Path]:
 
 
 def start_case(target: Path, template: str) -> list[Path]:
-    """Copy a shipped case, and the hydrograph file that it names, and return what was written.
+    """Copy a shipped case, what it names and its schema, and return what was written.
 
     Raises
     ------
@@ -41,6 +43,9 @@ def start_case(target: Path, template: str) -> list[Path]:
     supply = tomllib.loads(source.read_text(encoding="utf-8")).get("inflow", {}).get("hydrograph")
     if isinstance(supply, str):
         copies[source.parent / supply] = target.parent / supply
+    schema = source.parent / SCHEMA
+    if schema.is_file() and not (target.parent / SCHEMA).exists():
+        copies[schema] = target.parent / SCHEMA
     for copy in copies.values():
         if copy.exists():
             raise OutputError(f"{copy}: is there already; choose another name")
