@@ -130,13 +130,13 @@ def tank_case(columns, rows, material, tank=None, spacing=0.01, **tables):
     )
 
 
-def bed_case(**tables):
+def bed_case(spacing=0.02, **tables):
     """Return a case in which everything acts: a supply of water and sediment runs over a bed."""
     tables = {"time": {"end": 1.0}, "output": {"interval": 1.0}} | tables
     return complete(
         Case(
             title="bed",
-            particles={"spacing": 0.02},
+            particles={"spacing": spacing},
             gravity={"slope": 15.0},
             geometry={
                 "type": "channel",

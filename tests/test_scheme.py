@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numba
@@ -197,8 +198,15 @@ def test_two_threads_compute_the_same_bits_as_one(case):
 
 
 @compiled
-@pytest.mark.parametrize("case", [dam_break, bed_case])
-def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(case, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("case", "multigrid_from"),
+    [(dam_break, 6000), (bed_case, 6000), (partial(bed_case, spacing=0.01), 500)],
+    ids=["dam_break", "bed", "bed with multigrid in all systems"],
+)
+def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
+    case, multigrid_from, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(Solver, "MULTIGRID_FROM", multigrid_from)
     ends, conclude = [], simulation._Run._conclude
 
     def conclude_and_keep(run, reason):

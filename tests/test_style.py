@@ -1,7 +1,8 @@
-"""Do the sources keep the rules of pyproject.toml: format, lint, types, direction of imports."""
+"""Do the sources keep the rules of pyproject.toml, and run without the compiler."""
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -21,6 +22,19 @@ def test_the_sources_keep_the_rules(command):
     program, *arguments = command.split()
     done = subprocess.run(
         [BIN / program, *arguments], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_formulas_hold_without_the_compiler():
+    files = ["tests/test_operators.py", "tests/test_rheology.py"]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *files],
+        cwd=ROOT,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
 

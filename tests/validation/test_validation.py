@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from debrisflow.case import load_case
+from debrisflow.schemes import SemiImplicit
+from debrisflow.state import initial_state
 from tests.validation import dam_break, hydrostatic, viscous
 
 
@@ -48,10 +51,11 @@ def test_the_operators_of_the_study_are_worse(still):
     assert study.pressure_error > 10.0 * still.pressure_error
 
 
+@pytest.mark.parametrize("implicit", [False, True])
 @pytest.mark.parametrize("flow", ["poiseuille", "couette", "film"])
-def test_viscous_profiles_follow_their_series(flow):
+def test_viscous_profiles_follow_their_series(flow, implicit):
     # slow, so that the rows of particles hardly pass each other
-    assert viscous.error(flow, 20, 1.25e-5, (0.05, 0.1, 0.2, 0.5, 1.0)) < 0.02
+    assert viscous.error(flow, 20, 1.25e-5, (0.05, 0.1, 0.2, 0.5, 1.0), implicit) < 0.02
 
 
 @pytest.mark.parametrize("flow", ["poiseuille", "couette", "film"])
@@ -89,6 +93,29 @@ def test_the_dam_break_converges(breaks):
 
 
 def test_the_splash_of_a_dam_break_stays_in_the_tank():
-    found = dam_break.run(16, end=2.0)
+    found = dam_break.run(32, end=2.0)
     assert found.state.through_wall.sum() == 0
     assert found.energy.max() < 1.005
+
+
+def test_the_flume_is_supplied_exactly_and_its_bed_rests_until_the_water_comes():
+    case = load_case(hydrostatic.CASES / "flume2d.toml")
+    scheme, state = SemiImplicit(case), initial_state(case)
+    grains_and_pores = state.particles.fluid_count
+    p, bed = state.particles, []
+    while state.time < case.time.end:
+        dt = min(scheme.stable_dt(state), case.time.end - state.time)
+        scheme.step(state, dt)
+        state.time += dt
+        state.step += 1
+        if len(bed) < 2 and state.time >= (0.4, 2.4)[len(bed)]:
+            order = np.argsort(p.id[p.fluid])
+            by_id = p.position[p.fluid][order]
+            bed.append(by_id[p.id[p.fluid][order] < grains_and_pores])
+    # the water comes at 2.5 s; at rest is what moves by less than 0.1 d0 in 2 s on average
+    moved = np.linalg.norm(bed[1] - bed[0], axis=1)
+    assert moved.mean() < 0.1 * case.particles.spacing
+    assert moved.max() < case.particles.spacing
+    supplied = state.entered.sum() * case.particles.spacing**2
+    assert supplied == pytest.approx(case.inflow.discharge * case.time.end, rel=0.01)
+    assert state.through_wall.sum() == 0

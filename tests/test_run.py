@@ -1,0 +1,116 @@
+"""What a run keeps to: walls with edges, the supply, broken promises and interruptions."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+
+import numpy as np
+import pytest
+
+from debrisflow import checkpoint, simulation
+from debrisflow.case.defaults import complete
+from debrisflow.errors import DivergedError
+from debrisflow.measures import energies
+from debrisflow.particles import Kind
+from debrisflow.schemes import SemiImplicit
+from tests.building import advance, bed_case, started, tank_case
+from tests.test_checkpoint import identical
+
+
+def test_a_particle_that_skims_a_step_keeps_its_velocity():
+    block = {"type": "block", "x": (0.10, 0.12), "y": (0.0, 0.02), "material": "water"}
+    plain = bed_case().model_dump() | {
+        "gravity": {"acceleration": 0.0},
+        "fill": [block | {"velocity": (1.0, 0.0)}],
+        "inflow": None,
+        "water": {"viscosity": 0.0},
+        "strength": {},
+        "drag": {},
+        "collision_stress": {},
+    }
+    case = complete(type(bed_case()).model_validate(plain))
+    scheme, state = started(case)
+    advance(scheme, state, until=0.2)
+    p = state.particles
+    assert p.position[0, 0] > 0.25  # past the lip of the recess at 0.2
+    np.testing.assert_allclose(p.velocity[0], [1.0, 0.0, 0.0], atol=1e-12)
+
+
+def test_the_supply_carries_its_sediment_from_the_first_column():
+    scheme, state = started(bed_case())  # 2 rows with C = 0.2
+    advance(scheme, state, until=0.4)
+    entered = state.entered
+    assert entered.sum() >= 30
+    assert abs(entered[Kind.SEDIMENT] - 0.2 * entered.sum()) <= 1.0
+
+
+def test_a_velocity_that_is_no_number_ends_the_run_before_it_spoils_the_state(monkeypatch):
+    scheme, state = started(tank_case(6, 6, "water"))
+    advance(scheme, state, steps=2)
+    scheme.observe(state)
+    before = state.particles.position.copy()
+
+    def fail(p, velocity, dt, solved):
+        velocity[3, 0] = np.nan
+
+    monkeypatch.setattr(scheme, "_correct", fail)
+    with pytest.raises(DivergedError, match=r"particle \d+ at .* got the velocity"):
+        scheme.step(state, 1e-4)
+    np.testing.assert_array_equal(state.particles.position, before)
+
+
+def test_a_time_step_that_collapses_ends_the_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(SemiImplicit, "stable_dt", lambda self, state: 1e-12)
+    case = tank_case(6, 6, "water")
+    with pytest.raises(DivergedError, match=r"the time step has fallen to 1e-12 s.*checkpoint.h5"):
+        simulation.simulate(case, tmp_path / "run")
+    assert checkpoint.load(tmp_path / "run" / "checkpoint.h5").step == 0
+
+
+def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, monkeypatch):
+    case = bed_case(time={"end": 0.15}, output={"interval": 0.05})
+    ends, conclude = [], simulation._Run._conclude
+
+    def conclude_and_keep(run, reason):
+        ends.append(run.state)
+        return conclude(run, reason)
+
+    monkeypatch.setattr(simulation._Run, "_conclude", conclude_and_keep)
+    simulation.simulate(case, tmp_path / "whole")
+    write = simulation._Run.write
+
+    def write_and_interrupt(run, iterations):
+        write(run, iterations)
+        if run.state.step == 30:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(simulation._Run, "write", write_and_interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        simulation.simulate(case, tmp_path / "broken")
+    stopped = checkpoint.load(tmp_path / "broken" / "checkpoint.h5")
+    assert stopped.step == SemiImplicit.REFRESH
+    summary = json.loads((tmp_path / "broken" / "summary.json").read_text())
+    assert summary["end_reason"] == "interrupted"
+    shutil.copytree(tmp_path / "broken", tmp_path / "rest")
+    simulation.resume(tmp_path / "rest")
+    assert identical(ends[0], ends[-1])
+
+
+@pytest.mark.parametrize("temperature", ["algebraic", "neighborhood"])
+def test_colliding_grains_do_not_gain_energy(temperature):
+    stress = {"enabled": True, "granular_temperature": temperature}
+    case = tank_case(10, 10, "sediment", tank=(30, 20), collision_stress=stress)
+    scheme, state = started(case)
+    p = state.particles
+
+    def energy():
+        rows = p.fluid
+        motion = p.position[rows], p.velocity[rows], p.density[rows], p.kind[rows]
+        return sum(energies(case, *motion))
+
+    start = energy()
+    for until in np.arange(0.05, 0.31, 0.05):
+        advance(scheme, state, until=until)
+        assert energy() <= 1.01 * start
