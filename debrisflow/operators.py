@@ -301,57 +301,6 @@ def least_neighbor_value_at(i, values, stencil):
 
 
 @kernel
-def divergence_at(i, velocity, stencil):
-    """Return ``(1/n0) sum of (r_e / r^3) r_ij . u_ij``, the HS form of -(1/n0) Dn/Dt.
-
-    On a lattice of r it gives 2.4755 (r_e 3.1) or 2.8349 (r_e 2.1) in two dimensions instead of 2,
-    as does the HL Laplacian by the same factor, 1.5 times larger.
-
-    References
-    ----------
-    Khayyer & Gotoh 2009, doi:10.1016/j.coastaleng.2008.10.004.
-    """
-    total = 0.0
-    for k in range(stencil.neighbor_count[i]):
-        j = stencil.neighbors[i, k]
-        total += stencil.inverse[i, k] ** 3 * (
-            stencil.dx[i, k] * (velocity[j, 0] - velocity[i, 0])
-            + stencil.dy[i, k] * (velocity[j, 1] - velocity[i, 1])
-            + stencil.dz[i, k] * (velocity[j, 2] - velocity[i, 2])
-        )
-    return stencil.effective_radius * total / stencil.number_density
-
-
-@kernel
-def laplacian_at(i, values, stencil):
-    """Return ``(2 Ds / (lambda n0)) sum of (f_j - f_i) w``, exact for r^2 on the lattice."""
-    r_e = stencil.effective_radius
-    total = 0.0
-    for k in range(stencil.neighbor_count[i]):
-        w = r_e * stencil.inverse[i, k] - 1.0
-        total += (values[stencil.neighbors[i, k]] - values[i]) * w
-    return 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density) * total
-
-
-@kernel
-def higher_order_laplacian_at(i, values, stencil):
-    """Return the HL Laplacian ``(1/n0) sum of (5 - Ds) (f_j - f_i) r_e / r^3``.
-
-    3 in two dimensions, 2 in three; of r^2 on the lattice it gives 7.4265 (2D, r_e 3.1), 8.5048
-    (2D, 2.1), 6.910 (3D, 2.4) and 6.439 (3D, 2.1): use it where only its ratio to
-    :func:`divergence_at` counts, that is in the pressure equation.
-
-    References
-    ----------
-    Khayyer & Gotoh 2010, doi:10.1016/j.apor.2010.01.001.
-    """
-    total = 0.0
-    for k in range(stencil.neighbor_count[i]):
-        total += (values[stencil.neighbors[i, k]] - values[i]) * stencil.inverse[i, k] ** 3
-    return (5.0 - stencil.dimension) * stencil.effective_radius * total / stencil.number_density
-
-
-@kernel
 def shear_rate_at(i, velocity, walls, stencil):
     """Return ``sqrt(2 D : D)`` with ``D`` the symmetric part of the velocity gradient, 1/s.
 

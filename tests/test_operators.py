@@ -5,6 +5,7 @@ import pytest
 
 from debrisflow import momentum, operators, pressure
 from debrisflow.lattice import reference
+from debrisflow.system import empty_system
 from tests.building import (
     NOWHERE,
     RADII,
@@ -112,6 +113,44 @@ def test_the_cmps_form_of_a_linear_field_is_zero(block, rng):
     np.testing.assert_allclose(velocity[i], 0.0, atol=EXACT)
 
 
+def assembled(stencil, velocity, density, interface, rate=0.0):
+    """Return the pressure equation of a patch without free surface, for a step of 1 s."""
+    m = len(velocity)
+    system = empty_system(stencil.neighbors)
+    pressure.assemble(
+        m,
+        velocity,
+        density,
+        stencil,
+        pressure.FreeSurface(-1.0, -1.0, np.inf),
+        pressure.Interface(*interface),
+        pressure.Source(1.0, rate, 0.0),
+        system,
+        np.empty(m),
+        np.empty(m, dtype=bool),
+    )
+    return system
+
+
+def pressure_forms(i, values, velocity, stencil, density=None, interface=None):
+    """Return Laplacian of values and divergence of velocity at i in the pressure equation."""
+    density = np.ones(len(values)) if density is None else density
+    interface = interface or (0.0, 0.0, 5.0 - stencil.dimension)
+    system = assembled(stencil, velocity, density, interface)
+    entries = slice(0, system.entries[i])
+    row = system.value[i, entries] @ values[system.columns[i, entries]]
+    laplacian = (row - system.diagonal[i] * values[i]) / stencil.number_density
+    return laplacian, -system.right[i] / stencil.number_density
+
+
+def viscous_force(i, values, stencil):
+    """Return the viscous force on i of a velocity along x, with a viscosity of 1."""
+    velocity = np.zeros((len(values), 3))
+    velocity[:, 0] = values
+    walls = no_walls(len(values))
+    return momentum.viscous_force_at(i, velocity, np.ones(len(values)), walls, stencil)[0]
+
+
 def test_least_pressure_is_the_least_of_a_particle_and_its_neighbors(rng):
     position = random_patch(2, 200, rng, length=8.0)
     stencil = stencil_of(position, reference(2, 3.1, 1.0), rows=150)
@@ -124,7 +163,7 @@ def test_least_pressure_is_the_least_of_a_particle_and_its_neighbors(rng):
 
 def test_the_laplacian_of_r2_is_exact(block):
     position, stencil, i = block
-    found = operators.laplacian_at(i, np.sum(position**2, axis=1), stencil)
+    found = viscous_force(i, np.sum(position**2, axis=1), stencil)
     assert found == pytest.approx(2 * stencil.dimension, rel=EXACT)
 
 
@@ -132,8 +171,7 @@ def test_the_laplacian_of_r2_is_exact(block):
 def test_higher_order_forms_have_their_lattice_constants(dimension, radius, hl, hs, unit):
     position, stencil, i = center_of_block(dimension, radius)
     position = position - position[i]
-    laplacian = operators.higher_order_laplacian_at(i, np.sum(position**2, axis=1), stencil)
-    divergence = operators.divergence_at(i, position, stencil)
+    laplacian, divergence = pressure_forms(i, np.sum(position**2, axis=1), position, stencil)
     assert laplacian == pytest.approx(hl, abs=unit)
     assert divergence == pytest.approx(hs, abs=unit)
     # the pressure equation lives on the ratio: 3 in two dimensions, 2 in three
@@ -144,10 +182,34 @@ def test_operators_do_not_depend_on_the_unit_of_length():
     position, stencil, i = center_of_block(2, 3.1, spacing=0.005)
     position = position - position[i]
     r2 = np.sum(position**2, axis=1)
-    assert operators.laplacian_at(i, r2, stencil) == pytest.approx(4.0, rel=EXACT)
-    hl = operators.higher_order_laplacian_at(i, r2, stencil)
+    assert viscous_force(i, r2, stencil) == pytest.approx(4.0, rel=EXACT)
+    hl, hs = pressure_forms(i, r2, position, stencil)
     assert hl == pytest.approx(7.4265, abs=1e-4)
-    assert operators.divergence_at(i, position, stencil) == pytest.approx(2.4755, abs=1e-4)
+    assert hs == pytest.approx(2.4755, abs=1e-4)
+
+
+def test_the_interface_coefficients_differ_in_the_sign_of_the_density_gradient():
+    # 1/rho = a + b x and p = x: div(grad p / rho) = b, of which the symmetric form gives its
+    # lattice share 1.5 * 2.4755 / 2 and the study's equation (9) -2.4755 / 2
+    position, stencil, i = center_of_block(2, 3.1)
+    x = position[:, 0] - position[i, 0]
+    b = 1e-4  # weak: the mean of the densities is harmonic in the specific volumes
+    density = 1.0 / (1.0 + b * x)
+    forms = {}
+    for name, interface in (("symmetric", (0.0, 0.0, 3.0)), ("study", (4.0, -1.0, 0.0))):
+        forms[name], _ = pressure_forms(i, x, position, stencil, density, interface)
+    assert forms["symmetric"] == pytest.approx(1.5 * 2.4755 / 2 * b, rel=1e-4)
+    assert forms["study"] == pytest.approx(-2.4755 / 2 * b, rel=1e-4)
+
+
+def test_denser_than_the_lattice_drives_the_pressure_up():
+    position, _, i = center_of_block(2, 3.1)
+    squeezed = stencil_of(0.98 * position, reference(2, 3.1, 1.0))
+    rest = np.zeros_like(position)
+    right = assembled(squeezed, rest, np.ones(len(position)), (0.0, 0.0, 3.0), rate=2.0).right
+    n, _ = operators.number_density_at(i, squeezed)
+    assert n > squeezed.number_density
+    assert right[i] == pytest.approx(2.0 * (n - squeezed.number_density), rel=EXACT)
 
 
 def test_the_shear_rate_of_a_linear_profile_is_exact(block, rng):
