@@ -6,7 +6,7 @@ bits on any number of threads.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import prange
@@ -110,7 +110,7 @@ def hierarchy(system: System) -> Hierarchy:
     )
 
 
-def _as_csr(system: System):  # type: ignore[no-untyped-def]
+def _as_csr(system: System) -> Any:
     from scipy.sparse import csr_matrix
 
     rows = system.entries.size
@@ -134,7 +134,7 @@ def _compress(system, start, index, value):
             value[k0 + 1 + k] = -system.value[i, k] if system.entries[j] > 0 else 0.0
 
 
-def _flat(matrices) -> tuple[NDArray[np.int64], Indices, Floats]:  # type: ignore[no-untyped-def]
+def _flat(matrices: list[Any]) -> tuple[NDArray[np.int64], Indices, Floats]:
     """Return row pointers, columns and values of matrices one behind the other."""
     if not matrices:
         return np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0)

@@ -164,6 +164,18 @@ def _list(
         )
 
 
+@kernel
+def nearest_image(distance, period):
+    """Return a distance along one axis through the nearest image; period 0 does not repeat.
+
+    Examples
+    --------
+    >>> nearest_image(0.9, 1.0) < 0.0, nearest_image(0.9, 0.0)
+    (True, 0.9)
+    """
+    return distance - period * np.rint(distance / period) if period > 0.0 else distance
+
+
 @loop
 def _largest_displacement(position, reference, period, partial):
     """Write the greatest squared displacement of each block of particles."""
@@ -171,15 +183,9 @@ def _largest_displacement(position, reference, period, partial):
     for block in prange(partial.size):
         largest = 0.0
         for i in range(block * n // partial.size, (block + 1) * n // partial.size):
-            dx = position[i, 0] - reference[i, 0]
-            dy = position[i, 1] - reference[i, 1]
-            dz = position[i, 2] - reference[i, 2]
-            if period[0] > 0.0:
-                dx -= period[0] * np.rint(dx / period[0])
-            if period[1] > 0.0:
-                dy -= period[1] * np.rint(dy / period[1])
-            if period[2] > 0.0:
-                dz -= period[2] * np.rint(dz / period[2])
+            dx = nearest_image(position[i, 0] - reference[i, 0], period[0])
+            dy = nearest_image(position[i, 1] - reference[i, 1], period[1])
+            dz = nearest_image(position[i, 2] - reference[i, 2], period[2])
             largest = max(largest, dx * dx + dy * dy + dz * dz)
         partial[block] = largest
 

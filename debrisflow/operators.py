@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
 from debrisflow.lattice import Reference
+from debrisflow.neighbors import nearest_image
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
@@ -97,15 +98,9 @@ def survey_at(i, position, period, listed, listed_count, stencil):
     found, last = 0, stencil.neighbors.shape[1]
     for k in range(listed_count[i]):
         j = listed[i, k]
-        dx = position[j, 0] - x
-        dy = position[j, 1] - y
-        dz = position[j, 2] - z
-        if period[0] > 0.0:
-            dx -= period[0] * np.rint(dx / period[0])
-        if period[1] > 0.0:
-            dy -= period[1] * np.rint(dy / period[1])
-        if period[2] > 0.0:
-            dz -= period[2] * np.rint(dz / period[2])
+        dx = nearest_image(position[j, 0] - x, period[0])
+        dy = nearest_image(position[j, 1] - y, period[1])
+        dz = nearest_image(position[j, 2] - z, period[2])
         r2 = dx * dx + dy * dy + dz * dz
         if r2 >= reach2:
             continue

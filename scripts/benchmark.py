@@ -91,7 +91,7 @@ def measure(name: str, threads: int, repeats: int) -> dict[str, object]:
 def growth(results: dict[str, dict[str, dict[str, object]]], threads: str) -> float | None:
     """Return the exponent with which seconds per step grow from the least to the greatest case."""
     sized = sorted(
-        (int(r[threads]["fluid"]), float(r[threads]["seconds_per_step"]))  # type: ignore[call-overload,arg-type]
+        (int(r[threads]["fluid"]), float(r[threads]["seconds_per_step"]))
         for name, r in results.items()
         if name in SWEEP and name != "dam2d_2k"
     )
@@ -125,7 +125,7 @@ def main(names: tuple[str, ...], threads: str, repeats: int, as_json: bool) -> N
                     f"{name}, {count} threads: {result['seconds_per_step']:.4f} s a step, "
                     f"{result['fluid']} fluid of {result['particles']} particles"
                 )
-                for phase, seconds in result["split"].items():  # type: ignore[attr-defined]
+                for phase, seconds in result["split"].items():
                     click.echo(f"    {phase:<22} {seconds:.4f} s")
     if as_json:
         click.echo(json.dumps(results, indent=2))
