@@ -61,7 +61,7 @@ class TestCompletion:
         assert (output.deposit_interval, output.history_interval) == (0.1, 0.01)
 
     def test_bed_ends_at_the_weir(self, channel: Path) -> None:
-        assert load_case(channel).geometry.bed_end == 3.92  # type: ignore[union-attr]
+        assert load_case(channel).geometry.bed_end == 3.92
 
     @pytest.mark.parametrize("given", ["discharge=0.02", "velocity=0.5"])
     def test_supply(self, channel: Path, given: str) -> None:
@@ -160,8 +160,8 @@ class TestOverrides:
         assert case.particles.spacing == 0.005
         assert case.scheme.form == "study"
         assert case.title == "two words"
-        assert case.fill[0].x == (0.0, 0.1)  # type: ignore[union-attr]
-        assert case.fill[0].y == (0.0, 0.2)  # type: ignore[union-attr]
+        assert case.fill[0].x == (0.0, 0.1)
+        assert case.fill[0].y == (0.0, 0.2)
         assert case.walls.left.slip == "free-slip"
 
     def test_one_way_of_gravity_replaces_the_other(self, channel: Path) -> None:
