@@ -9,7 +9,13 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.operators import number_density_at, shear_rate_at
+from debrisflow.operators import (
+    LEAST_SPREAD,
+    cofactors,
+    number_density_at,
+    shear_rate_at,
+    velocity_difference,
+)
 
 Floats = NDArray[np.float64]
 
@@ -29,9 +35,6 @@ class Grains(NamedTuple):
         C*.
     largest_concentration : float
         Concentration at which C is clipped, below C*.
-    algebraic : bool
-        Granular temperature from the balance of production and dissipation, else the variance of
-        the velocity in the neighborhood.
     """
 
     density: float
@@ -39,7 +42,6 @@ class Grains(NamedTuple):
     restitution: float
     packing_limit: float
     largest_concentration: float
-    algebraic: bool
 
 
 @kernel
@@ -90,12 +92,27 @@ def algebraic_temperature(shear_rate, grains):
     return (grains.diameter * shear_rate) ** 2 / (15.0 * (1.0 - grains.restitution))
 
 
+@loop
+def algebraic_temperatures(fluid_count, velocity, fraction, walls, grains, stencil, temperature):
+    """Write :func:`algebraic_temperature` of the grains at the shear rate around them.
+
+    Independent of the spacing but for how well the shear is resolved.  In A2 at d0 = 10 mm it
+    shortens no step.
+    """
+    for i in prange(fluid_count):
+        temperature[i] = 0.0
+        if fraction[i] > 0.0:
+            rate = shear_rate_at(i, velocity, walls, stencil)
+            temperature[i] = algebraic_temperature(rate, grains)
+
+
 @kernel
 def neighborhood_temperature_at(i, fluid_count, velocity, fraction, stencil):
     """Return the variance of the velocity of the grains in reach, over Ds, m2/s2.
 
-    The variance contains the resolved shear and vanishes with the spacing squared.  The deviation
-    of the one particle, as equation (20) reads, feeds back on itself and gains energy.
+    The study's form.  The variance contains the resolved shear, ``shear_rate^2 r_e^2 / 8`` in two
+    dimensions and ``/ 15`` in three, and so vanishes with the spacing squared.  The deviation of
+    the one particle, as equation (20) reads, feeds back on itself and gains energy.
     """
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     square = u * u + v * v + w * w
@@ -110,6 +127,84 @@ def neighborhood_temperature_at(i, fluid_count, velocity, fraction, stencil):
             grains += 1.0
     mean = (u * u + v * v + w * w) / grains
     return max(square - mean, 0.0) / grains / stencil.dimension
+
+
+@loop
+def neighborhood_temperatures(fluid_count, velocity, fraction, walls, grains, stencil, temperature):
+    """Write :func:`neighborhood_temperature_at` of the grains."""
+    for i in prange(fluid_count):
+        temperature[i] = 0.0
+        if fraction[i] > 0.0:
+            temperature[i] = neighborhood_temperature_at(
+                i, fluid_count, velocity, fraction, stencil
+            )
+
+
+@kernel
+def fluctuation_temperature_at(i, fluid_count, velocity, fraction, stencil):
+    """Return the variance of the grains in reach about a linear velocity field, over Ds, m2/s2.
+
+        sum of |u_j - ubar - grad u . (r_j - rbar)|^2 / (Ds (N - 1 - Ds))
+
+    The field is that of least squares, so that no uniform shear or strain counts.  N - 1 - Ds
+    are the degrees of freedom it leaves: the mean of the estimate is the T of independent
+    fluctuations; with no more grains than that, or all on a line, T is 0.  What the spacing does
+    not resolve as linear still counts, and falls with d0^4 where the flow is smooth; what stays is
+    the scatter of the particles themselves, which is numerical and does not converge to a T.
+    """
+    count, sx, sy, sz, su, sv, sw, square = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
+        if j >= fluid_count or fraction[j] == 0.0:
+            continue
+        dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
+        du = velocity[j, 0] - velocity[i, 0]
+        dv = velocity[j, 1] - velocity[i, 1]
+        dw = velocity[j, 2] - velocity[i, 2]
+        count += 1.0
+        sx, sy, sz, su, sv, sw = sx + dx, sy + dy, sz + dz, su + du, sv + dv, sw + dw
+        square += du * du + dv * dv + dw * dw
+        xx, xy, yy = xx + dx * dx, xy + dx * dy, yy + dy * dy
+        xz, yz, zz = xz + dx * dz, yz + dy * dz, zz + dz * dz
+        ux, uy, uz = ux + du * dx, uy + du * dy, uz + du * dz
+        vx, vy, vz = vx + dv * dx, vy + dv * dy, vz + dv * dz
+        wx, wy, wz = wx + dw * dx, wy + dw * dy, wz + dw * dz
+    freedom = count - 1.0 - stencil.dimension
+    if freedom <= 0.0:
+        return 0.0
+    xx, xy, yy = xx - sx * sx / count, xy - sx * sy / count, yy - sy * sy / count
+    xz, yz, zz = xz - sx * sz / count, yz - sy * sz / count, zz - sz * sz / count
+    if stencil.dimension < 3.0:
+        zz = stencil.spacing**2  # nothing varies along z
+    a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
+    if determinant <= LEAST_SPREAD * (xx + yy) ** 2 * zz:
+        return 0.0
+    ux, uy, uz = ux - su * sx / count, uy - su * sy / count, uz - su * sz / count
+    vx, vy, vz = vx - sv * sx / count, vy - sv * sy / count, vz - sv * sz / count
+    wx, wy, wz = wx - sw * sx / count, wy - sw * sy / count, wz - sw * sz / count
+    linear = 0.0
+    for p, q, r in ((ux, uy, uz), (vx, vy, vz), (wx, wy, wz)):
+        linear += a * p * p + c * q * q + f * r * r + 2.0 * (b * p * q + d * p * r + e * q * r)
+    rest = square - (su * su + sv * sv + sw * sw) / count - linear / determinant
+    return max(rest, 0.0) / (stencil.dimension * freedom)
+
+
+@loop
+def fluctuation_temperatures(fluid_count, velocity, fraction, walls, grains, stencil, temperature):
+    """Write :func:`fluctuation_temperature_at` of the grains."""
+    for i in prange(fluid_count):
+        temperature[i] = 0.0
+        if fraction[i] > 0.0:
+            temperature[i] = fluctuation_temperature_at(i, fluid_count, velocity, fraction, stencil)
+
+
+TEMPERATURES = {
+    "algebraic": algebraic_temperatures,
+    "neighborhood": neighborhood_temperatures,
+    "fluctuation": fluctuation_temperatures,
+}
 
 
 @kernel
@@ -136,27 +231,17 @@ def concentration(fluid_count, fraction, stencil, c):
 
 
 @loop
-def collision_state(
-    fluid_count, velocity, fraction, c, walls, grains, stencil, temperature, pressure, viscosity
-):
-    """Write granular temperature, pressure and viscosity of the particles that hold sediment.
+def collision_state(fraction, c, temperature, grains, stencil, pressure, viscosity):
+    """Write pressure and viscosity of the colliding grains of the particles that hold sediment.
 
     The pressure fades from n = n0 to 0.8 n0: at a free surface it would throw out the particles
     whose scatter then feeds it.
     """
-    for i in prange(fluid_count):
-        temperature[i] = 0.0
+    for i in prange(pressure.size):
         pressure[i] = 0.0
         viscosity[i] = 0.0
         if fraction[i] > 0.0:
             clipped = min(c[i], grains.largest_concentration)
-            if grains.algebraic:
-                rate = shear_rate_at(i, velocity, walls, stencil)
-                temperature[i] = algebraic_temperature(rate, grains)
-            else:
-                temperature[i] = neighborhood_temperature_at(
-                    i, fluid_count, velocity, fraction, stencil
-                )
             n, _ = number_density_at(i, stencil)
             inside = min(max(5.0 * (n / stencil.number_density - 0.8), 0.0), 1.0)
             pressure[i] = inside * granular_pressure(clipped, temperature[i], grains)
@@ -164,11 +249,12 @@ def collision_state(
 
 
 @kernel
-def collision_force_at(i, fluid_count, velocity, fraction, pressure, viscosity, stencil):
+def collision_force_at(i, fluid_count, velocity, fraction, pressure, viscosity, walls, stencil):
     """Return ``-div P_s`` of particle i, N/m3.
 
     Pressure in the conservative sum form, shear as a Laplacian with the mean viscosity of the
-    pair; both act between particles that hold sediment and are opposite on the two.
+    pair; both act between particles that hold sediment and are opposite on the two.  A no-slip
+    wall shears the grains as if its bumps were grains; their pressure on it is left to the fluid's.
     """
     r_e = stencil.effective_radius
     push = stencil.dimension / stencil.number_density
@@ -176,15 +262,36 @@ def collision_force_at(i, fluid_count, velocity, fraction, pressure, viscosity, 
     x, y, z = 0.0, 0.0, 0.0
     for k in range(stencil.neighbor_count[i]):
         j = stencil.neighbors[i, k]
+        inverse = stencil.inverse[i, k]
+        w = r_e * inverse - 1.0
         if j < fluid_count and fraction[j] > 0.0:
-            inverse = stencil.inverse[i, k]
-            w = r_e * inverse - 1.0
             f = push * (pressure[i] + pressure[j]) * w * inverse * inverse
             s = pull * 0.5 * (viscosity[i] + viscosity[j]) * w
             x += s * (velocity[j, 0] - velocity[i, 0]) - f * stencil.dx[i, k]
             y += s * (velocity[j, 1] - velocity[i, 1]) - f * stencil.dy[i, k]
             z += s * (velocity[j, 2] - velocity[i, 2]) - f * stencil.dz[i, k]
+        elif j >= stencil.wall_from and walls.slip[j] == 0.0:
+            du, dv, dw = velocity_difference(i, k, velocity, walls, stencil)
+            s = pull * viscosity[i] * w
+            x += s * du
+            y += s * dv
+            z += s * dw
     return x, y, z
+
+
+@loop
+def throw(velocity, density, fraction, pressure, viscosity, walls, stencil, thrown):
+    """Write the acceleration by collisions, ``-div P_s / rho``, (n, 3) float64 array, m/s2."""
+    n = thrown.shape[0]
+    for i in prange(n):
+        x, y, z = 0.0, 0.0, 0.0
+        if fraction[i] > 0.0:
+            x, y, z = collision_force_at(
+                i, n, velocity, fraction, pressure, viscosity, walls, stencil
+            )
+        thrown[i, 0] = x / density[i]
+        thrown[i, 1] = y / density[i]
+        thrown[i, 2] = z / density[i]
 
 
 def largest_collision_step(

@@ -1,4 +1,4 @@
-"""Exchange of momentum between particles by viscosity, friction, drag and collisions of grains."""
+"""Exchange of momentum between particles by viscosity and friction."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.granular import collision_force_at
 from debrisflow.operators import contact, velocity_difference, wall_distance
 from debrisflow.rheology import (
-    drag_coefficient,
     frictional_viscosity,
     harmonic_mean,
     turbulent_viscosity,
@@ -28,11 +26,10 @@ class Matter(NamedTuple):
     Attributes
     ----------
     velocity : (n, 3) float64 array, m/s
+        Of the mixture: that of the particle's phase less its slip.
     density : (n,) float64 array, kg/m3
     viscosity : (n,) float64 array, Pa s
         Newtonian viscosity of the particle's phase.
-    sediment_fraction : (n,) float64 array
-        Volume of sediment in the particle.
     concentration : (n,) float64 array
         C around the particle.
     shear_rate : (fluid particles,) float64 array, 1/s
@@ -43,23 +40,9 @@ class Matter(NamedTuple):
     velocity: Floats
     density: Floats
     viscosity: Floats
-    sediment_fraction: Floats
     concentration: Floats
     shear_rate: Floats
     grain_pressure: Floats
-
-
-class Collisions(NamedTuple):
-    """Stress of colliding grains, (fluid particles,) float64 arrays; empty where there is none.
-
-    Attributes
-    ----------
-    pressure : Pa
-    viscosity : Pa s
-    """
-
-    pressure: Floats
-    viscosity: Floats
 
 
 @kernel
@@ -84,52 +67,47 @@ def viscous_force_at(i, velocity, viscosity, walls, stencil):
 
 
 @loop
-def predict(dt, gravity, matter, collisions, is_viscous, walls, stencil, predicted):
-    """Write ``u* = u + dt (g + viscous force / rho - div P_s / rho)`` of the fluid particles."""
-    fluid_count = predicted.shape[0]
-    has_collisions = collisions.pressure.size > 0
-    velocity, density = matter.velocity, matter.density
-    for i in prange(fluid_count):
-        x, y, z = 0.0, 0.0, 0.0
+def predict(dt, gravity, velocity, matter, thrown, is_viscous, walls, stencil, predicted):
+    """Write ``u* = u + dt (g + viscous force / rho - div P_s / rho)`` of the fluid particles.
+
+    Viscosity acts on the velocity of the mixture, which ``matter`` holds; ``velocity`` is that of
+    each phase.  ``thrown`` is the acceleration by collisions, without rows where there are none.
+    """
+    for i in prange(predicted.shape[0]):
+        x, y, z = gravity[0], gravity[1], gravity[2]
         if is_viscous:
-            x, y, z = viscous_force_at(i, velocity, matter.viscosity, walls, stencil)
-        if has_collisions and matter.sediment_fraction[i] > 0.0:
-            a, b, c = collision_force_at(
-                i,
-                fluid_count,
-                velocity,
-                matter.sediment_fraction,
-                collisions.pressure,
-                collisions.viscosity,
-                stencil,
-            )
-            x += a
-            y += b
-            z += c
-        predicted[i, 0] = velocity[i, 0] + dt * (gravity[0] + x / density[i])
-        predicted[i, 1] = velocity[i, 1] + dt * (gravity[1] + y / density[i])
-        predicted[i, 2] = velocity[i, 2] + dt * (gravity[2] + z / density[i])
+            fx, fy, fz = viscous_force_at(i, matter.velocity, matter.viscosity, walls, stencil)
+            x += fx / matter.density[i]
+            y += fy / matter.density[i]
+            z += fz / matter.density[i]
+        if thrown.shape[0] > 0:
+            x += thrown[i, 0]
+            y += thrown[i, 1]
+            z += thrown[i, 2]
+        predicted[i, 0] = velocity[i, 0] + dt * x
+        predicted[i, 1] = velocity[i, 1] + dt * y
+        predicted[i, 2] = velocity[i, 2] + dt * z
 
 
 @kernel
-def exchange_row_at(i, dt, fluid_count, matter, strength, drag, walls, stencil, system, right):
+def exchange_row_at(i, dt, fluid_count, matter, strength, walls, stencil, system, right):
     """Write row i of the implicit exchange of momentum after the pressure projection.
 
         rho_i u_i + dt sum of K_ij (u_i - u_j) = rho_i u**_i
-        K_ij = (2 Ds / (lambda n0)) w eta_ij  +  (w / n0) beta / (C (1 - C))
+        K_ij = (2 Ds / (lambda n0)) w eta_ij
 
     eta_ij is the harmonic mean of the viscosities (Newtonian and turbulent) plus the friction of
-    the grains at the pair's mean pressure, shear rate and lesser concentration; the drag acts
-    between water and sediment.  K is symmetric: what one particle loses the other gains.
+    the grains at the pair's mean pressure, shear rate and lesser concentration.  K is symmetric:
+    what one particle loses the other gains.
     Coefficients are taken at the velocities given, one pass.  Walls and inflow have their own
     velocity; a wall's is mirrored as in :func:`velocity_difference`, and with a free-slip wall
     nothing is exchanged.  Before the projection the
     same friction would leave the noise of the pressure in the bed and fluidize it.
     """
-    r_e, n0 = stencil.effective_radius, stencil.number_density
-    factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * n0)
+    r_e = stencil.effective_radius
+    factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
     velocity, density, viscosity = matter.velocity, matter.density, matter.viscosity
-    fraction, c = matter.sediment_fraction, matter.concentration
+    c = matter.concentration
     shear_rate, grain_pressure = matter.shear_rate, matter.grain_pressure
     mu_i = viscosity[i] + turbulent_viscosity(density[i], shear_rate[i], strength)
     diagonal = density[i]
@@ -166,13 +144,6 @@ def exchange_row_at(i, dt, fluid_count, matter, strength, drag, walls, stencil, 
                 strength,
             )
             coupling = dt * factor * w * eta
-            if drag.strength > 0.0 and (fraction[i] == 0.0) != (fraction[j] == 0.0):
-                slip = np.sqrt(
-                    (velocity[j, 0] - velocity[i, 0]) ** 2
-                    + (velocity[j, 1] - velocity[i, 1]) ** 2
-                    + (velocity[j, 2] - velocity[i, 2]) ** 2
-                )
-                coupling += dt * w / n0 * drag_coefficient(0.5 * (c[i] + c[j]), slip, drag)
         diagonal += coupling
         if j < fluid_count:
             system.value[i, k] = coupling
@@ -188,14 +159,14 @@ def exchange_row_at(i, dt, fluid_count, matter, strength, drag, walls, stencil, 
 
 
 @loop
-def assemble_exchange(dt, fluid_count, matter, strength, drag, walls, stencil, system, right):
+def assemble_exchange(dt, fluid_count, matter, strength, walls, stencil, system, right):
     """Write the implicit exchange of momentum for every fluid particle.
 
     The system must take its columns from the stencil's neighbors; a neighbor whose velocity is
     given has the value 0 in its row and a part in the right side.
     """
     for i in prange(fluid_count):
-        exchange_row_at(i, dt, fluid_count, matter, strength, drag, walls, stencil, system, right)
+        exchange_row_at(i, dt, fluid_count, matter, strength, walls, stencil, system, right)
 
 
 @kernel

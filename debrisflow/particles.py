@@ -25,6 +25,18 @@ class Kind(IntEnum):
     INFLOW = 5
 
 
+MATTER = (
+    "velocity",
+    "density",
+    "kind",
+    "id",
+    "sediment_fraction",
+    "granular_temperature",
+    "relative_velocity",
+    "owed_displacement",
+)
+
+
 @dataclass
 class Particles:
     """State of all particles.
@@ -49,6 +61,10 @@ class Particles:
     concentration : (n,) float64 array
         Local volumetric sediment concentration C.
     granular_temperature : (n,) float64 array, m2/s2
+    relative_velocity : (n, 3) float64 array, m/s
+        Velocity of the sediment relative to the water around the particle.
+    owed_displacement : (n, 3) float64 array, m
+        What the particle's own path is ahead of its place, see :mod:`debrisflow.slip`.
     grain_pressure : (n,) float64 array, Pa
         Effective pressure between the grains of the bed.
     on_free_surface : (n,) bool array
@@ -72,6 +88,8 @@ class Particles:
     sediment_fraction: Floats
     concentration: Floats
     granular_temperature: Floats
+    relative_velocity: Floats
+    owed_displacement: Floats
     grain_pressure: Floats
     on_free_surface: NDArray[np.bool_]
     wall: NDArray[np.int8]
@@ -111,6 +129,15 @@ class Particles:
         for name, value in self.arrays().items():
             setattr(self, name, np.ascontiguousarray(value[rows]))
 
+    def exchange(self, one: NDArray[np.int64], other: NDArray[np.int64]) -> None:
+        """Let particles change places in pairs.
+
+        The rows stand for places; what moves is the matter, so that neighbor lists stay valid.
+        """
+        for name in MATTER:
+            value = getattr(self, name)
+            value[one], value[other] = value[other], value[one]
+
     def insert(self, row: int, other: Particles) -> None:
         """Insert all rows of another record before a row; the caller keeps the group sizes."""
         for name, value in self.arrays().items():
@@ -133,7 +160,16 @@ def blank(count: int) -> Particles:
             "wall_depth",
         )
     }
-    vector = {name: np.zeros((count, 3)) for name in ("position", "velocity", "wall_normal")}
+    vector = {
+        name: np.zeros((count, 3))
+        for name in (
+            "position",
+            "velocity",
+            "relative_velocity",
+            "owed_displacement",
+            "wall_normal",
+        )
+    }
     return Particles(
         **scalar,
         **vector,

@@ -18,11 +18,13 @@ from debrisflow.measures import gravity_vector
 from debrisflow.neighbors import Neighbors, order_by_cell
 from debrisflow.particles import Kind, Particles, supply
 from debrisflow.rheology import DragLaw, Strength
+from debrisflow.slip import Materials, Slip
 from debrisflow.state import State
 from debrisflow.system import empty_system, residual
 
 Floats = NDArray[np.float64]
 DIMENSION = 2
+ERGUN_FROM = {"gidaspow": 0.2, "wen-yu": np.inf}
 GRAIN_TOLERANCE = 1.0e-3
 # tight, because what is left undone is given back to particles that had no part in it
 EXCHANGE_TOLERANCE = 1.0e-6
@@ -31,9 +33,11 @@ EXCHANGE_TOLERANCE = 1.0e-6
 class SemiImplicit:
     """Fractional step with variable density, everything evaluated at the old positions.
 
-    Predict the velocity from gravity, viscosity and collision stress; let particles that come too
-    close collide; solve the pressure equation and correct by its gradient; exchange momentum
-    implicitly by viscosity, friction and drag; move.
+    Predict the velocity from gravity, viscosity, collision stress and drag; let particles that come
+    too close collide; solve the pressure equation and correct by its gradient; exchange momentum
+    implicitly by viscosity and friction; move.  With a drag law all that follows the drag is done
+    with the velocity of the mixture, and the slip moves particles by exchange of places, see
+    :mod:`debrisflow.slip`; without one each particle moves by its own velocity.
 
     Parameters
     ----------
@@ -92,24 +96,27 @@ class SemiImplicit:
             strength.smallest_shear_rate,
             strength.largest_viscosity,
         )
-        self._drag = DragLaw(
-            float(case.drag.law == "gidaspow"),
-            sediment.grain_diameter,
-            case.water.density,
-            case.water.viscosity,
-            sediment.packing_limit,
-        )
+        self._slip: Slip | None = None
+        if case.drag.law != "none":
+            drag = DragLaw(
+                ERGUN_FROM[case.drag.law],
+                sediment.grain_diameter,
+                case.water.density,
+                case.water.viscosity,
+                sediment.packing_limit,
+            )
+            self._slip = Slip(drag, Materials(sediment.density, case.water.density))
         self._grains = granular.Grains(
             sediment.density,
             sediment.grain_diameter,
             sediment.restitution,
             sediment.packing_limit,
             case.collision_stress.largest_concentration,
-            case.collision_stress.granular_temperature == "algebraic",
         )
+        self._find_temperatures = granular.TEMPERATURES[case.collision_stress.granular_temperature]
         self._has_strength = is_coulomb
         self._has_collisions = case.collision_stress.enabled
-        self._is_implicit = is_coulomb or case.drag.law != "none"
+        self._thrown = np.zeros((0, 3))
         self._is_rough = any(
             getattr(case.walls, name).roughness > 0.0 for name in geometry.WALL_NAMES
         )
@@ -153,7 +160,7 @@ class SemiImplicit:
         if self._has_collisions:
             limits.append(
                 granular.largest_collision_step(
-                    p.concentration[p.fluid],
+                    self._grain_concentration(p),
                     p.density[p.fluid],
                     *self._collisions,
                     self._grains,
@@ -185,6 +192,11 @@ class SemiImplicit:
 
         with self._clock("predictor"):
             velocity = self._predict(p, dt)
+        if self._slip is not None:
+            with self._clock("slip"):
+                self._slip.act(p, self._thrown, dt, velocity)
+                velocity[p.fluid] -= self._slip.velocity
+        with self._clock("collisions"):
             velocity = self._collide(p, velocity)
 
         iterations = self._solve_pressure(p, velocity, dt, solved)
@@ -193,7 +205,7 @@ class SemiImplicit:
             self._correct(p, velocity, dt, solved)
         if self._has_strength:
             self._balance_grains(p)
-        if self._is_implicit and p.fluid_count > 0:
+        if self._has_strength and p.fluid_count > 0:
             velocity = self._exchange_momentum(p, velocity, dt)
         if self._is_rough:
             velocity = self._rub(p, velocity, dt)
@@ -203,6 +215,9 @@ class SemiImplicit:
             p.pressure[:] = solved
             p.velocity[p.fluid] = velocity[p.fluid]
             p.position[p.fluid] += dt * velocity[p.fluid]
+            if self._slip is not None:
+                p.velocity[p.fluid] += self._slip.velocity
+                self._slip.exchange_places(p, dt)
             boundary.advance_supply(state, self.case, dt)
             boundary.wrap(p, self.domain)
             boundary.remove_leaving(state, self.case, self.domain)
@@ -236,30 +251,60 @@ class SemiImplicit:
             granular.concentration(n, raw, self._stencil, p.concentration)
         else:
             p.concentration[p.fluid] = 0.0
+        self._mixture_velocity = p.velocity
+        if self._slip is not None:
+            assert self._stencil is not None
+            self._slip.observe(p, self._stencil)
+            self._mixture_velocity = p.velocity.copy()
+            self._mixture_velocity[p.fluid] -= self._slip.velocity
         self._shear_rate = np.zeros(n)
-        if self._is_implicit and p.fluid_count > 0:
-            operators.shear_rate(p.velocity, self._walls, self._stencil, self._shear_rate)
-        self._collisions = momentum.Collisions(np.zeros(0), np.zeros(0))
-        if self._has_collisions:
-            self._collisions = momentum.Collisions(np.zeros(n), np.zeros(n))
-            granular.collision_state(
-                n,
-                p.velocity,
-                p.sediment_fraction,
-                p.concentration,
-                self._walls,
-                self._grains,
-                self._stencil,
-                p.granular_temperature,
-                *self._collisions,
+        if self._has_strength and n > 0:
+            operators.shear_rate(
+                self._mixture_velocity, self._walls, self._stencil, self._shear_rate
             )
+        if self._has_collisions:
+            self._observe_collisions(p)
+
+    def _observe_collisions(self, p: Particles) -> None:
+        n, fraction = p.fluid_count, p.sediment_fraction
+        self._find_temperatures(
+            n,
+            p.velocity,
+            fraction,
+            self._walls,
+            self._grains,
+            self._stencil,
+            p.granular_temperature,
+        )
+        self._collisions = (np.zeros(n), np.zeros(n))
+        granular.collision_state(
+            fraction,
+            self._grain_concentration(p),
+            p.granular_temperature,
+            self._grains,
+            self._stencil,
+            *self._collisions,
+        )
+        self._thrown = np.empty((n, 3))
+        granular.throw(
+            p.velocity,
+            p.density,
+            fraction,
+            *self._collisions,
+            self._walls,
+            self._stencil,
+            self._thrown,
+        )
+
+    def _grain_concentration(self, p: Particles) -> Floats:
+        given = self.case.collision_stress.concentration
+        return p.concentration[p.fluid] if given is None else np.full(p.fluid_count, given)
 
     def _matter(self, p: Particles, velocity: Floats) -> momentum.Matter:
         return momentum.Matter(
             velocity,
             p.density,
             self._viscosity[p.kind],
-            p.sediment_fraction,
             p.concentration,
             self._shear_rate,
             p.grain_pressure,
@@ -270,9 +315,10 @@ class SemiImplicit:
         momentum.predict(
             dt,
             self.gravity,
-            self._matter(p, p.velocity),
-            self._collisions,
-            not self._is_implicit and self._viscosity.any(),
+            p.velocity,
+            self._matter(p, self._mixture_velocity),
+            self._thrown,
+            not self._has_strength and self._viscosity.any(),
             self._walls,
             self._stencil,
             velocity[p.fluid],
@@ -355,7 +401,6 @@ class SemiImplicit:
                 p.fluid_count,
                 self._matter(p, velocity),
                 self._strength,
-                self._drag,
                 self._walls,
                 self._stencil,
                 self._room,

@@ -18,8 +18,8 @@ from debrisflow.system import empty_system
 NOWHERE = np.zeros(3)  # periods of a domain that does not repeat
 RADII = [(2, 3.1), (2, 2.1), (3, 2.4), (3, 2.1)]  # dimension, influence radius in spacings
 NO_STRENGTH = Strength(0.0, 0.0, 0.10, 0.25, 0.005, 5e4)
-WATER_DRAG = DragLaw(1.0, 0.003, 1000.0, 1e-3, 0.55)
-NO_DRAG = WATER_DRAG._replace(strength=0.0)
+GIDASPOW = DragLaw(0.2, 0.003, 1000.0, 1e-3, 0.55)
+WEN_YU = GIDASPOW._replace(ergun_from=np.inf)
 
 
 def lattice_block(dimension, counts, spacing=1.0):
@@ -90,28 +90,26 @@ def no_walls(particles):
     )
 
 
-def exchange_system(stencil, velocity, fraction, dt, strength=NO_STRENGTH, drag=NO_DRAG, **fields):
-    """Return system and right side of the implicit exchange of momentum, and the densities.
+def exchange_system(stencil, velocity, density, dt, strength=NO_STRENGTH, **fields):
+    """Return system and right side of the implicit exchange of momentum.
 
-    All particles are fluid, water or sediment; fields that are not given are 0.
+    All particles are fluid; fields that are not given are 0.
     """
     count = len(velocity)
     names = ("viscosity", "c", "shear_rate", "grain_pressure")
     viscosity, c, shear_rate, grain_pressure = (fields.get(n, np.zeros(count)) for n in names)
-    density = 1000.0 + 1650.0 * fraction
     system, right = empty_system(stencil.neighbors), np.zeros((count, 3))
     momentum.assemble_exchange(
         dt,
         count,
-        momentum.Matter(velocity, density, viscosity, fraction, c, shear_rate, grain_pressure),
+        momentum.Matter(velocity, density, viscosity, c, shear_rate, grain_pressure),
         strength,
-        drag,
         no_walls(count),
         stencil,
         system,
         right,
     )
-    return system, right, density
+    return system, right
 
 
 def tank_case(columns, rows, material, tank=None, spacing=0.01, **tables):

@@ -19,7 +19,7 @@ from tests.building import (
     tank_case,
 )
 
-GRAINS = Grains(2650.0, 0.003, 0.7, 0.55, 0.5, True)
+GRAINS = Grains(2650.0, 0.003, 0.7, 0.55, 0.5)
 SUBMERGED, GRAVITY = 1650.0, np.array([0.0, -9.81, 0.0])
 SPACING, BED_ROWS = 0.01, 10
 
@@ -101,31 +101,95 @@ def test_only_grains_have_a_temperature(rng):
     assert found < 1e-13  # water moves at random, grains as one
 
 
-@pytest.mark.parametrize("algebraic", [True, False])
-def test_collision_state_is_that_of_the_clipped_concentration(rng, algebraic):
-    grains = GRAINS._replace(algebraic=algebraic)
+@pytest.mark.parametrize(("dimension", "radius"), RADII)
+def test_a_linear_velocity_is_no_fluctuation(dimension, radius, rng):
+    position = random_patch(dimension, 120, rng, length=120 ** (1 / dimension))
+    stencil = stencil_of(position, reference(dimension, radius, 1.0))
+    gradient = np.zeros((3, 3))
+    gradient[:dimension, :dimension] = rng.normal(size=(dimension, dimension))
+    velocity = np.array([7.0, -2.0, 0.0]) + position @ gradient.T
+    fraction = rng.choice([0.0, 1.0], 120, p=(0.2, 0.8))
+    velocity[fraction == 0.0] = 1e3  # water does not count
+    for i in np.flatnonzero(fraction):
+        found = granular.fluctuation_temperature_at(i, 120, velocity, fraction, stencil)
+        spread = granular.neighborhood_temperature_at(i, 120, velocity, fraction, stencil)
+        # rounding of differences of squares, more where the neighbors stand nearly on a line
+        assert found <= 1e-9 * max(spread, 1e-9)
+
+
+@pytest.mark.parametrize(("dimension", "radius"), RADII)
+def test_the_fluctuation_temperature_is_that_of_independent_grains_in_the_mean(
+    dimension, radius, rng
+):
+    position, stencil, i = center_of_block(dimension, radius)
+    count = len(position)
+    everywhere, found = np.ones(count), []
+    for _ in range(400):
+        velocity = np.zeros((count, 3))
+        velocity[:, :dimension] = rng.normal(0.0, 0.3, (count, dimension))
+        velocity[:, 0] += 4.0 * position[:, 1]
+        found.append(granular.fluctuation_temperature_at(i, count, velocity, everywhere, stencil))
+    # the mean of 400 estimates from at least 10 x Ds degrees of freedom each: 1 sigma is 1.6 %
+    assert np.mean(found) == pytest.approx(0.3**2, rel=0.05)
+
+
+def test_too_few_grains_have_no_fluctuation():
+    position = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    velocity = np.array([[0.0, 3.0, 0.0], [1.0, 0.0, 0.0], [5.0, 0.0, 0.0]])
+    stencil = stencil_of(position, reference(2, 3.1, 1.0))
+    assert granular.fluctuation_temperature_at(0, 3, velocity, np.ones(3), stencil) == 0.0
+    row = np.array([[0.5 * k, 0.0, 0.0] for k in range(6)])
+    velocity = np.zeros((6, 3))
+    velocity[::2, 0] = 1.0
+    stencil = stencil_of(row, reference(2, 3.1, 1.0))
+    assert granular.fluctuation_temperature_at(2, 6, velocity, np.ones(6), stencil) == 0.0
+
+
+@pytest.mark.parametrize("name", granular.TEMPERATURES)
+def test_every_temperature_is_that_of_the_grains_alone(name, rng):
     position = random_patch(2, 150, rng, length=8.0)
     stencil = stencil_of(position, reference(2, 3.1, 1.0))
-    velocity = random_patch(2, 150, rng)
-    fraction = rng.choice([0.0, 0.5, 1.0], 150)
-    c = rng.uniform(0.0, 0.9, 150)
-    temperature, pressure, viscosity = np.full((3, 150), np.nan)
-    granular.collision_state(
-        150, velocity, fraction, c, no_walls(150), grains, stencil, temperature, pressure, viscosity
+    velocity, fraction = random_patch(2, 150, rng), rng.choice([0.0, 0.5, 1.0], 150)
+    temperature = np.full(150, np.nan)
+    granular.TEMPERATURES[name](
+        150, velocity, fraction, no_walls(150), GRAINS, stencil, temperature
     )
-    is_water = fraction == 0.0
-    for values in (temperature, pressure, viscosity):
-        assert np.all(values[is_water] == 0.0)
-    assert np.all(temperature[~is_water] > 0.0)
-    assert np.all(viscosity[~is_water] > 0.0)
+    assert np.all(temperature[fraction == 0.0] == 0.0)
+    assert np.all(temperature[fraction > 0.0] > 0.0)
+
+
+def test_collision_state_is_that_of_the_clipped_concentration(rng):
+    position = random_patch(2, 150, rng, length=8.0)
+    stencil = stencil_of(position, reference(2, 3.1, 1.0))
+    fraction = rng.choice([0.0, 0.5, 1.0], 150)
+    c, temperature = rng.uniform(0.0, 0.9, 150), rng.uniform(0.01, 0.1, 150)
+    pressure, viscosity = np.full((2, 150), np.nan)
+    granular.collision_state(fraction, c, temperature, GRAINS, stencil, pressure, viscosity)
+    for values in (pressure, viscosity):
+        assert np.all(values[fraction == 0.0] == 0.0)
     n0 = stencil.number_density
-    for i in np.nonzero(~is_water)[0]:
+    for i in np.nonzero(fraction)[0]:
         clipped, t = min(c[i], 0.5), temperature[i]
         n, _ = operators.number_density_at(i, stencil)
         inside = np.clip((n / n0 - 0.8) / 0.2, 0.0, 1.0)  # fades towards the free surface
-        whole = granular.granular_pressure(clipped, t, grains)
+        whole = granular.granular_pressure(clipped, t, GRAINS)
         assert pressure[i] == pytest.approx(inside * whole, rel=1e-9, abs=1e-12)
-        assert viscosity[i] == pytest.approx(granular.granular_viscosity(clipped, t, grains))
+        assert viscosity[i] == pytest.approx(granular.granular_viscosity(clipped, t, GRAINS))
+
+
+@pytest.mark.parametrize("slip", [0.0, 1.0])
+def test_a_wall_shears_grains_unless_they_slip_along_it(slip):
+    position = np.array([[0.0, 0.5, 0.0], [0.0, -0.5, 0.0]])
+    walls = no_walls(2)
+    walls.normal[1, 1], walls.depth[1], walls.slip[1] = 1.0, 0.5, slip
+    stencil = stencil_of(position, reference(2, 3.1, 1.0), rows=1, wall_from=1)
+    velocity, ones = np.array([[2.0, 0.0, 0.0], [0.5, 0.0, 0.0]]), np.ones(2)
+    force = granular.collision_force_at(
+        0, 1, velocity, ones, 100.0 * ones, 3.0 * ones, walls, stencil
+    )
+    # mirrored at the surface: the wall particle has 0.5 - 1.5 m/s
+    shear = 4.0 / (stencil.laplacian_lambda * stencil.number_density) * 3.0 * 2.1 * (-3.0)
+    np.testing.assert_allclose(force, [shear * (1.0 - slip), 0.0, 0.0], rtol=1e-13)
 
 
 def test_the_collision_step_is_that_of_sound_or_of_diffusion():

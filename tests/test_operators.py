@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow import momentum, operators, pressure
+from debrisflow import granular, momentum, operators, pressure
 from debrisflow.lattice import reference
 from debrisflow.system import empty_system
 from tests.building import (
@@ -298,9 +298,9 @@ def test_the_viscous_force_conserves_momentum(patch, rng):
     found = np.empty_like(velocity)
     viscosity = rng.choice([0.0, 1e-3, 10.0], 200)
     walls = no_walls(200)
-    matter = momentum.Matter(velocity, density, viscosity, np.zeros(200), NONE, NONE, NONE)
-    no_collisions = momentum.Collisions(NONE, NONE)
-    momentum.predict(1.0, NOWHERE, matter, no_collisions, True, walls, stencil, found)
+    matter = momentum.Matter(velocity, density, viscosity, NONE, NONE, NONE)
+    thrown = np.zeros((0, 3))
+    momentum.predict(1.0, NOWHERE, velocity, matter, thrown, True, walls, stencil, found)
     force = density[:, None] * (found - velocity)
     assert np.abs(force).max() > 1.0
     assert balance(force) < EXACT
@@ -312,9 +312,12 @@ def test_the_collision_stress_conserves_momentum_and_spares_water(patch, rng):
     fraction = rng.choice([0.0, 0.4, 1.0], 200)
     grain_pressure, viscosity = rng.uniform(0, 1e3, 200), rng.uniform(0, 10.0, 200)
     walls = no_walls(200)
-    matter = momentum.Matter(velocity, density, NONE, fraction, NONE, NONE, NONE)
-    collisions = momentum.Collisions(grain_pressure, viscosity)
-    momentum.predict(1.0, NOWHERE, matter, collisions, False, walls, stencil, found)
-    force = density[:, None] * (found - velocity)
+    thrown = np.empty((200, 3))
+    granular.throw(velocity, density, fraction, grain_pressure, viscosity, walls, stencil, thrown)
+    matter = momentum.Matter(velocity, density, NONE, NONE, NONE, NONE)
+    momentum.predict(1.0, NOWHERE, velocity, matter, thrown, False, walls, stencil, found)
+    np.testing.assert_allclose(found, velocity + thrown, rtol=1e-14)
+    force = density[:, None] * thrown
+    assert np.abs(force).max() > 1.0
     assert balance(force) < EXACT
     assert np.all(force[fraction == 0.0] == 0.0)

@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from debrisflow import rheology
 from debrisflow.lattice import reference
 from debrisflow.rheology import Strength
 from tests.building import (
-    NO_DRAG,
+    GIDASPOW,
     NO_STRENGTH,
-    WATER_DRAG,
+    WEN_YU,
     exchange_system,
     random_patch,
     stencil_of,
@@ -67,7 +68,7 @@ def test_no_pressure_between_grains_or_no_friction_is_no_strength():
 def test_drag_of_a_packing_is_ergun_by_hand():
     # C = 0.5, |u| = 0.2 m/s, d = 3 mm: viscous 150 C mu / ((1-C)^2 d^2) = 33,333,
     # inertial 1.75 rho |u| / ((1-C) d) = 233,333
-    found = rheology.drag_coefficient(0.5, 0.2, WATER_DRAG)
+    found = rheology.drag_coefficient(0.5, 0.2, GIDASPOW)
     assert found == pytest.approx(100_000 / 3 + 700_000 / 3, rel=1e-13)
     # the study's beta = 150 C^2 mu / ((1-C) d^2) + 1.75 rho C |u| / d
     beta = 150 * 0.25 * 1e-3 / (0.5 * 9e-6) + 1.75 * 1000 * 0.5 * 0.2 / 0.003
@@ -80,9 +81,9 @@ def test_drag_of_a_suspension_is_wen_and_yu_by_hand():
     c_d = 24 / reynolds * (1 + 0.15 * reynolds**0.687)
     assert c_d == pytest.approx(0.7131, abs=1e-4)
     beta = 0.75 * c_d * 1000 * 0.1 * (1 - 0.1) * 0.1 * (1 - 0.1) ** -2.65 / 0.003
-    assert rheology.drag_coefficient(0.1, 0.1, WATER_DRAG) * 0.1 * (1 - 0.1) == pytest.approx(beta)
+    assert rheology.drag_coefficient(0.1, 0.1, GIDASPOW) * 0.1 * (1 - 0.1) == pytest.approx(beta)
     # beyond Re = 1000 the drag coefficient of a sphere is 0.44
-    fast = rheology.drag_coefficient(0.1, 10.0, WATER_DRAG)
+    fast = rheology.drag_coefficient(0.1, 10.0, GIDASPOW)
     assert fast == pytest.approx(0.75 * 0.44 * 1000 * 10 * 0.9**-2.65 / 0.003, rel=1e-13)
 
 
@@ -94,13 +95,13 @@ def test_drag_at_rest_is_the_viscous_limit(c):
     else:
         expected = 18 * 1e-3 / 9e-6 * (1 - c) ** -3.65  # Stokes, hindered
     for speed in (0.0, SLOW, 1e-12):
-        assert rheology.drag_coefficient(c, speed, WATER_DRAG) == pytest.approx(expected, rel=1e-6)
+        assert rheology.drag_coefficient(c, speed, GIDASPOW) == pytest.approx(expected, rel=1e-6)
 
 
 def test_drag_grows_with_speed_without_jumps():
     speeds = np.geomspace(1e-9, 10.0, 4000)
     for c in (0.0, 0.1, 0.3, 0.55):
-        found = np.array([rheology.drag_coefficient(c, speed, WATER_DRAG) for speed in speeds])
+        found = np.array([rheology.drag_coefficient(c, speed, GIDASPOW) for speed in speeds])
         assert np.all(np.diff(found) > 0)
         # the steps of speed are 0.6 %; Schiller & Naumann meets 0.44 within 0.5 % at Re = 1000
         assert np.all(found[1:] / found[:-1] < 1.012)
@@ -118,18 +119,55 @@ def test_wall_friction_is_the_law_of_the_wall():
     assert friction[0] == friction[1] == rheology.wall_friction(0.003, 0.003)
 
 
-def couplings(strength, drag):
-    """Return the matrix of pair couplings of a random patch, fractions, diagonal and densities."""
+def settling_speed(c, law):
+    """Return (1 - C) u_r where K u_r = (rho_s - rho_l) g, the balance of a suspension at rest."""
+    return (1.0 - c) * brentq(
+        lambda u: rheology.drag_coefficient(c, u, law) * u - 1650.0 * 9.81, 1e-6, 5.0, xtol=1e-14
+    )
+
+
+def test_a_grain_of_3_mm_falls_as_a_sphere_beyond_re_1000():
+    terminal = np.sqrt(4 * 1.65 * 9.81 * 0.003 / (3 * 0.44))
+    assert settling_speed(0.0, WEN_YU) == pytest.approx(terminal, rel=1e-9)
+
+
+@pytest.mark.parametrize(("c", "ratio"), [(0.1, 0.99), (0.2, 0.94), (0.3, 0.88)])
+def test_wen_and_yu_settles_nearly_as_richardson_and_zaki(c, ratio):
+    # the ratios of the docstring, to their last digit
+    found = settling_speed(c, WEN_YU) / (settling_speed(0.0, WEN_YU) * (1.0 - c) ** 2.39)
+    assert found == pytest.approx(ratio, abs=0.005)
+
+
+def test_the_drag_of_gidaspow_jumps_where_its_law_changes():
+    for c in (0.0, 0.1, 0.2):
+        assert settling_speed(c, GIDASPOW) == settling_speed(c, WEN_YU)
+    above = 0.2 + 1e-9
+    speed = settling_speed(above, WEN_YU) / (1.0 - above)
+    laws = [rheology.drag_coefficient(above, speed, law) for law in (GIDASPOW, WEN_YU)]
+    assert laws[0] / laws[1] == pytest.approx(3.2, abs=0.05)
+    assert settling_speed(0.2, GIDASPOW) == pytest.approx(0.21, abs=0.005)
+    assert settling_speed(above, GIDASPOW) == pytest.approx(0.11, abs=0.01)
+
+
+def test_grains_lose_their_mobility_towards_the_packing():
+    c = np.linspace(0.0, 0.7, 141)
+    found = np.array([rheology.mobility(value, 0.55) for value in c])
+    assert np.all(found[c < 0.494] == 1.0)
+    assert np.all(np.diff(found) <= 0.0)
+    assert np.all(found[c > 0.5501] == 1e-4)
+    assert rheology.mobility(0.95 * 0.55, 0.55) == pytest.approx(0.5)
+
+
+def test_what_one_particle_loses_the_other_gains():
     rng = np.random.default_rng(2)
     stencil = stencil_of(random_patch(2, 150, rng, length=8.0), reference(2, 3.1, 1.0))
-    fraction = rng.choice([0.0, 1.0], 150)
-    system, _, density = exchange_system(
+    density = rng.choice([1000.0, 2650.0], 150)
+    system, _ = exchange_system(
         stencil,
         random_patch(2, 150, rng),
-        fraction,
+        density,
         0.01,
-        strength,
-        drag,
+        STRENGTH,
         viscosity=rng.uniform(0, 10.0, 150),
         c=rng.uniform(0, 0.5, 150),
         shear_rate=rng.uniform(0, 50.0, 150),
@@ -138,20 +176,7 @@ def couplings(strength, drag):
     coupling = np.zeros((150, 150))
     for i, count in enumerate(system.entries):
         coupling[i, system.columns[i, :count]] = system.value[i, :count]
-    return coupling, fraction, system.diagonal, density
-
-
-@pytest.mark.parametrize(("strength", "drag"), [(NO_STRENGTH, WATER_DRAG), (STRENGTH, NO_DRAG)])
-def test_what_one_particle_loses_the_other_gains(strength, drag):
-    coupling, _, diagonal, density = couplings(strength, drag)
     assert np.all(coupling >= 0.0)
     # mean values of pairs, in another order
     np.testing.assert_allclose(coupling, coupling.T, rtol=1e-12)
-    np.testing.assert_allclose(diagonal, density + coupling.sum(axis=1), rtol=1e-12)
-
-
-def test_drag_acts_between_water_and_sediment_alone():
-    both, fraction, _, _ = couplings(NO_STRENGTH, WATER_DRAG)
-    plain, _, _, _ = couplings(NO_STRENGTH, NO_DRAG)
-    is_mixed = fraction[:, None] != fraction[None, :]
-    assert np.all((both > plain) == (is_mixed & (plain > 0)))
+    np.testing.assert_allclose(system.diagonal, density + coupling.sum(axis=1), rtol=1e-12)

@@ -15,13 +15,10 @@ from debrisflow import boundary, checkpoint, simulation
 from debrisflow._jit import set_threads
 from debrisflow.lattice import reference
 from debrisflow.linear import Solver
-from debrisflow.rheology import drag_coefficient
 from tests.building import (
-    WATER_DRAG,
     advance,
     bed_case,
     energy_of,
-    exchange_system,
     lattice_block,
     momentum_of,
     no_walls,
@@ -142,37 +139,6 @@ def test_a_wall_stops_what_comes_near_and_lets_it_slide():
     position[0, 1] = 0.45  # farther than 0.9 d0 less half a spacing
     after = collided(position, velocity, density, 0.2, walls, wall_from=1)
     assert np.array_equal(after, velocity)
-
-
-@pytest.mark.parametrize("dt", [1e-5, 1e-3, 0.1])
-def test_drag_relaxes_the_slip_at_its_rate_and_keeps_momentum(dt):
-    # water and sediment alternate on a periodic lattice, each phase with one velocity
-    length = 12.0
-    position = lattice_block(2, 12)
-    lattice = reference(2, 3.1, 1.0)
-    stencil = stencil_of(position, lattice, period=np.array([length, length, 0.0]))
-    fraction = np.floor(position.sum(axis=1)) % 2.0
-    velocity = np.where(fraction[:, None] > 0, [0.3, -0.1, 0.0], [-0.5, 0.2, 0.0])
-    slip = np.hypot(0.8, 0.3)
-    system, right, density = exchange_system(
-        stencil, velocity, fraction, dt, drag=WATER_DRAG, c=np.full(144, 0.5)
-    )
-    after = np.zeros_like(velocity)
-    for axis in range(2):
-        system.right[:] = right[:, axis]
-        solution = np.ascontiguousarray(velocity[:, axis])
-        assert Solver(1e-14).solve(system, solution) >= 0
-        after[:, axis] = solution
-    a, b = np.meshgrid(*2 * [np.arange(-3.0, 4.0)])
-    r = np.hypot(a, b)[((a + b) % 2 == 1) & (np.hypot(a, b) < 3.1)]
-    share = np.sum(3.1 / r - 1.0) / lattice.number_density  # of the weight, with the other phase
-    assert share == pytest.approx(0.5, abs=0.15)
-    rate = share * drag_coefficient(0.5, slip, WATER_DRAG) * (1 / 1000.0 + 1 / 2650.0)
-    is_rock = fraction > 0
-    found = after[is_rock].mean(axis=0) - after[~is_rock].mean(axis=0)
-    # the residual asked for
-    np.testing.assert_allclose(found, np.array([0.8, -0.3, 0.0]) / (1 + dt * rate), rtol=1e-11)
-    np.testing.assert_allclose(density @ after, density @ velocity, rtol=1e-12)
 
 
 def dam_break(**tables):

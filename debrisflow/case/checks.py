@@ -21,7 +21,6 @@ from debrisflow.case.tables import (
     Block,
     Channel,
     CollisionStress,
-    Drag,
     Gravity,
     Inflow,
     Mixture,
@@ -342,13 +341,12 @@ def step_within_limits(
     sediment: Sediment,
     mixture: Mixture,
     strength: Strength,
-    drag: Drag,
     gravity: Gravity,
 ) -> Problems:
     """Check that the largest step keeps within the limits of explicit viscosity and gravity."""
     if time.largest_step is None:
         return
-    limits = viscous_limits(particles, fill, inflow, water, sediment, mixture, strength, drag)
+    limits = viscous_limits(particles, fill, inflow, water, sediment, mixture, strength)
     phase = min(limits, key=lambda name: limits[name], default=None)
     fall = hypot(*gravity.components)
     if phase and time.largest_step > limits[phase] * (1 + TOLERANCE):

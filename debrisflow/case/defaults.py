@@ -13,7 +13,6 @@ from debrisflow.case.tables import (
     Block,
     Case,
     Channel,
-    Drag,
     Gravity,
     Inflow,
     Mixture,
@@ -77,14 +76,13 @@ def viscous_limits(
     sediment: Sediment,
     mixture: Mixture,
     strength: Strength,
-    drag: Drag,
 ) -> dict[str, float]:
     """Return the time step, s, that the explicit viscosity of each phase present allows.
 
-    The limit is ``0.2 d0^2 rho / mu``; with a strength or a drag law viscosity is implicit and
-    there is none.
+    The limit is ``0.2 d0^2 rho / mu``; with a strength law viscosity is implicit and there is
+    none.
     """
-    if strength.law != "none" or drag.law != "none":
+    if strength.law != "none":
         return {}
     solid = mixture.concentration
     mixed_density = water.density + solid * (sediment.density - water.density)
@@ -166,7 +164,6 @@ def _largest_step(case: Case) -> float:
         case.sediment,
         case.mixture,
         case.strength,
-        case.drag,
     )
     return min([_gravity_limit(case.gravity, case.particles, case.output), *limits.values()])
 

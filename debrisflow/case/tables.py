@@ -199,11 +199,19 @@ class CollisionStress(Table):
     """Kinetic-theory stress of colliding grains."""
 
     enabled: bool = quantity(NONE, "let grains exchange momentum by collisions", False)
-    granular_temperature: Literal["algebraic", "neighborhood"] = quantity(
+    granular_temperature: Literal["algebraic", "neighborhood", "fluctuation"] = quantity(
         NONE,
         "algebraic: production equals dissipation; "
-        "neighborhood: variance of the velocity inside the influence radius",
+        "neighborhood: variance of the velocity inside the influence radius, as the study; "
+        "fluctuation: that variance about the local velocity gradient",
         "algebraic",
+    )
+    concentration: float | None = quantity(
+        NONE,
+        "concentration of the colliding grains; the local share of sediment if left out",
+        None,
+        gt=0,
+        lt=1,
     )
     largest_concentration: float = quantity(
         NONE, "concentration at which the radial distribution is clipped", 0.5, gt=0, lt=1
@@ -211,9 +219,14 @@ class CollisionStress(Table):
 
 
 class Drag(Table):
-    """Momentum exchange between water and sediment particles."""
+    """Momentum exchange and slip between water and sediment particles."""
 
-    law: Literal["none", "gidaspow"] = quantity(NONE, "law of the drag", "none")
+    law: Literal["none", "wen-yu", "gidaspow"] = quantity(
+        NONE,
+        "wen-yu: settles as Richardson & Zaki found; gidaspow: Ergun's law above a concentration "
+        "of 0.2; none: no slip, particles of both phases push each other aside",
+        "none",
+    )
 
 
 class Strength(Table):

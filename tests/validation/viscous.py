@@ -67,7 +67,7 @@ def error(
     """Return the greatest error of the profile at the times nu t / L^2, in units of ``speed``.
 
     ``speed`` is that of the steady flow: at mid height, of the moving wall, or at the surface.
-    With a drag law, which finds no sediment here, viscosity is implicit.
+    With a strength, which finds no sediment here, viscosity is implicit.
     """
     if flow == "poiseuille":
         case = channel(rows, (8.0 * VISCOSITY * speed / LENGTH**2, 0.0), True, 0.0)
@@ -77,7 +77,7 @@ def error(
         force = 2.0 * VISCOSITY * speed / LENGTH**2
         case = channel(rows, (force, -force), False, 0.0)
     if implicit:
-        case = case.model_copy(update={"drag": tables.Drag(law="gidaspow")})
+        case = case.model_copy(update={"strength": tables.Strength(law="coulomb")})
     exact = {"poiseuille": poiseuille, "couette": couette, "film": film}[flow]
     scheme, state = SemiImplicit(case), initial_state(case)
     p, worst = state.particles, 0.0

@@ -1,0 +1,324 @@
+"""Slip between sediment and water: drag, velocity of the mixture, exchange of places.
+
+Particles of both phases fill one lattice-like arrangement.  A particle of rock that sank through
+it by its own velocity would have to push its neighbors aside: the pressure between particles holds
+it like a cage, and a column of 10 % of sediment settles at a tenth of the right speed whatever the
+drag.  So the arrangement moves with the mixture, ``v_i = u_i - s_i``, whose pressure equation this
+is, and what a particle is still owed of its own path it gets by exchange of places with a particle
+of the other phase.  Nothing is pushed aside: volume, masses and momentum are conserved to the
+particle, and the place of a particle is that of its own path but for one or two spacings.
+
+The slip ``s_i = (f_i - C_i) u_r`` follows from the velocity u_r of the sediment relative to the
+water, which the particles carry (f is 1 in sediment, 0 in water): its volume mean is zero.
+
+    du_r/dt = (1/rho_l - 1/rho_s) <grad p> + <-div P_s / rho_s> - K [(1 - C)/rho_s + C/rho_l] u_r
+
+with means over the influence radius, K = beta / (C (1 - C)) of the drag law.  At rest this is the
+balance of drag and buoyant weight, which with Wen & Yu's drag is Richardson & Zaki's settling.
+
+What it cannot do: grains that touch, from 0.9 of the packing limit on, hardly slip, so that the
+water of a packed bed stays in it; neither drainage nor excess pore pressure is resolved.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from debrisflow._jit import kernel, loop
+from debrisflow.operators import Stencil, gradient_at
+from debrisflow.particles import Particles
+from debrisflow.rheology import DragLaw, drag_coefficient, mobility
+
+Floats = NDArray[np.float64]
+SELF_WEIGHT = 2.0  # of a particle in its own means, as in the concentration
+PLACES_WITHIN = 1.6  # spacings between particles that exchange places
+MOST_OWED = 2.0  # spacings; what a packing does not let a particle have is forgotten
+
+
+class Surroundings(NamedTuple):
+    """What stands around the fluid particles, (n,) float64 arrays.
+
+    Attributes
+    ----------
+    share : share of sediment among the others in reach, by weight
+    weight : sum of weights of the fluid in reach
+    concentration : C of the drag law, smoothed once, without the bias of the particle itself
+    """
+
+    share: Floats
+    weight: Floats
+    concentration: Floats
+
+
+class Materials(NamedTuple):
+    """Densities of rock and water, kg/m3."""
+
+    rock: float
+    water: float
+
+
+@kernel
+def surroundings_at(i, fluid_count, fraction, stencil):
+    """Return share and weight of :class:`Surroundings`, and how much of C_i is i's own.
+
+    The smoothed concentration counts the particle itself ``(4 + sum of w^2) / (2 + sum of w)^2``.
+    """
+    share, total, squares = 0.0, 0.0, 0.0
+    for k in range(stencil.unknown_count[i]):
+        j = stencil.neighbors[i, k]
+        if j < fluid_count:
+            w = stencil.effective_radius * stencil.inverse[i, k] - 1.0
+            total += w
+            squares += w * w
+            share += w * fraction[j]
+    own = (SELF_WEIGHT**2 + squares) / (SELF_WEIGHT + total) ** 2
+    return (share / total if total > 0.0 else fraction[i]), total, own
+
+
+@loop
+def survey_surroundings(fraction, smoothed, stencil, share, weight, c):
+    """Write the arrays of :class:`Surroundings` from phases and smoothed concentration."""
+    for i in prange(share.size):
+        share[i], weight[i], own = surroundings_at(i, share.size, fraction, stencil)
+        own = min(own, 0.5)
+        c[i] = min(max((smoothed[i] - own * fraction[i]) / (1.0 - own), 0.0), 1.0)
+
+
+@loop
+def pressure_gradient(pressure, stencil, gradient):
+    """Write the sum-form gradient of the pressure, (n, 3) float64 array, Pa/m."""
+    for i in prange(gradient.shape[0]):
+        gradient[i, 0], gradient[i, 1], gradient[i, 2] = gradient_at(i, pressure, True, stencil)
+
+
+@kernel
+def mean_at(i, values, chosen, stencil):
+    """Return the weighted mean of vectors over the chosen particles in reach, i itself twice."""
+    total = SELF_WEIGHT * chosen[i]
+    x, y, z = total * values[i, 0], total * values[i, 1], total * values[i, 2]
+    for k in range(stencil.unknown_count[i]):
+        j = stencil.neighbors[i, k]
+        if j < values.shape[0]:
+            w = (stencil.effective_radius * stencil.inverse[i, k] - 1.0) * chosen[j]
+            total += w
+            x += w * values[j, 0]
+            y += w * values[j, 1]
+            z += w * values[j, 2]
+    if total == 0.0:
+        return 0.0, 0.0, 0.0
+    return x / total, y / total, z / total
+
+
+@kernel
+def advance_at(i, dt, gradient, everywhere, thrown, fraction, c, drag, rock, water, stencil, u_r):
+    """Advance u_r of particle i by a step and return the drag ``K u_r``, N/m3.
+
+    Implicit in u_r with the coefficient at the old speed, so that no step is too long for it.
+    Where the grains touch, the drag is divided by their mobility.  ``thrown`` is the acceleration
+    of the grains by collisions, an array without rows where there are none.
+    """
+    x, y, z = mean_at(i, gradient, everywhere, stencil)
+    buoyancy = 1.0 / water - 1.0 / rock
+    x, y, z = buoyancy * x, buoyancy * y, buoyancy * z
+    if thrown.shape[0] > 0:
+        gx, gy, gz = mean_at(i, thrown, fraction, stencil)
+        x += gx
+        y += gy
+        z += gz
+    speed = np.sqrt(u_r[i, 0] ** 2 + u_r[i, 1] ** 2 + u_r[i, 2] ** 2)
+    coefficient = drag_coefficient(c[i], speed, drag) / mobility(c[i], drag.packing_limit)
+    rate = coefficient * ((1.0 - c[i]) / rock + c[i] / water)
+    kept = 1.0 / (1.0 + dt * rate)
+    u_r[i, 0] = kept * (u_r[i, 0] + dt * x)
+    u_r[i, 1] = kept * (u_r[i, 1] + dt * y)
+    u_r[i, 2] = kept * (u_r[i, 2] + dt * z)
+    return coefficient * u_r[i, 0], coefficient * u_r[i, 1], coefficient * u_r[i, 2]
+
+
+@loop
+def advance(dt, gradient, thrown, fraction, c, drag, rock, water, stencil, u_r, force):
+    """Advance the relative velocity of all fluid particles and write ``K u_r``, N/m3."""
+    everywhere = np.ones(c.size)
+    for i in prange(c.size):
+        force[i, 0], force[i, 1], force[i, 2] = advance_at(
+            i, dt, gradient, everywhere, thrown, fraction, c, drag, rock, water, stencil, u_r
+        )
+
+
+@kernel
+def drag_at(i, force, fraction, weight, stencil):
+    """Return the drag on particle i, N/m3: minus ``(1 - C) K u_r`` on sediment.
+
+        sum over the other phase of (w / W) (K_i u_r,i + K_j u_r,j) (f_j - f_i)
+
+    W is the sum of the weights of both, at least n0; what one gains the other loses.
+    """
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(stencil.unknown_count[i]):
+        j = stencil.neighbors[i, k]
+        if j < weight.size and abs(fraction[i] - fraction[j]) == 1.0:
+            w = stencil.effective_radius * stencil.inverse[i, k] - 1.0
+            share = w / max(weight[i] + weight[j], stencil.number_density)
+            share *= fraction[j] - fraction[i]
+            x += share * (force[i, 0] + force[j, 0])
+            y += share * (force[i, 1] + force[j, 1])
+            z += share * (force[i, 2] + force[j, 2])
+    return x, y, z
+
+
+@loop
+def drag_phases(dt, force, density, fraction, weight, stencil, velocity):
+    """Add ``dt / rho`` times the drag to the velocity of the fluid particles."""
+    for i in prange(weight.size):
+        x, y, z = drag_at(i, force, fraction, weight, stencil)
+        velocity[i, 0] += dt * x / density[i]
+        velocity[i, 1] += dt * y / density[i]
+        velocity[i, 2] += dt * z / density[i]
+
+
+@kernel
+def is_packed(i, j, share, weight, packing_limit):
+    """Tell whether sediment from i finds no room at j.
+
+    Where C, with the newcomer counted, would exceed the packing limit, unless it is even denser
+    around i.
+    """
+    full = packing_limit * (1.0 + SELF_WEIGHT / weight[j]) - SELF_WEIGHT / weight[j]
+    return share[j] >= max(full, share[i])
+
+
+@kernel
+def pair_up(owed, fraction, share, weight, packing_limit, stencil, partner):
+    """Write who exchanges places with whom, -1 for who stays, and settle what they are owed.
+
+    Sediment exchanges places with the water particle that brings both nearest to their own paths,
+    that is the greatest ``(owed_i - owed_j - r_ij) . r_ij > 0``; each particle at most once.  One
+    after the other in the order of the rows, so that the result does not depend on threads.
+    """
+    partner[:] = -1
+    for i in range(partner.size):
+        if fraction[i] != 1.0:
+            continue
+        found, gain = -1, 0.0
+        for k in range(stencil.unknown_count[i]):
+            j = stencil.neighbors[i, k]
+            if (
+                stencil.inverse[i, k] * PLACES_WITHIN * stencil.spacing < 1.0
+                or j >= partner.size
+                or fraction[j] != 0.0
+                or partner[j] >= 0
+                or is_packed(i, j, share, weight, packing_limit)
+            ):
+                continue
+            dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
+            nearer = (
+                (owed[i, 0] - owed[j, 0] - dx) * dx
+                + (owed[i, 1] - owed[j, 1] - dy) * dy
+                + (owed[i, 2] - owed[j, 2] - dz) * dz
+            )
+            if nearer > gain:
+                found, gain = k, nearer
+        if found >= 0:
+            j = stencil.neighbors[i, found]
+            partner[i], partner[j] = j, i
+            step = (stencil.dx[i, found], stencil.dy[i, found], stencil.dz[i, found])
+            for axis in range(3):
+                owed[i, axis] -= step[axis]
+                owed[j, axis] += step[axis]
+
+
+class Slip:
+    """The slip of a mix of sediment and water particles.
+
+    Parameters
+    ----------
+    drag : DragLaw
+    materials : Materials
+
+    Attributes
+    ----------
+    velocity : (fluid particles, 3) float64 array, m/s
+        ``s_i``; zero where there is only one phase.
+    """
+
+    def __init__(self, drag: DragLaw, materials: Materials) -> None:
+        self._drag = drag
+        self._materials = materials
+        self.velocity = np.zeros((0, 3))
+
+    def observe(self, particles: Particles, stencil: Stencil) -> None:
+        """Bring surroundings and slip up to the places of the particles."""
+        n = particles.fluid_count
+        fraction = particles.sediment_fraction[particles.fluid]
+        self._has_two_phases = bool(np.any(fraction == 1.0) and np.any(fraction == 0.0))
+        self._around = Surroundings(np.zeros(n), np.zeros(n), np.zeros(n))
+        self._stencil = stencil
+        if self._has_two_phases:
+            survey_surroundings(
+                particles.sediment_fraction, particles.concentration, stencil, *self._around
+            )
+        self._follow(particles)
+
+    def _follow(self, particles: Particles) -> None:
+        fraction = particles.sediment_fraction[particles.fluid]
+        is_pure = self._has_two_phases & ((fraction == 0.0) | (fraction == 1.0))
+        part = np.where(is_pure, fraction - self._around.share, 0.0)
+        self.velocity = part[:, None] * particles.relative_velocity[particles.fluid]
+
+    def act(self, particles: Particles, thrown: Floats, dt: float, velocity: Floats) -> None:
+        """Advance relative velocity and slip by a step, and add the drag to the velocities.
+
+        Parameters
+        ----------
+        thrown : (fluid particles or 0, 3) float64 array, m/s2
+            Acceleration of the grains by collisions.
+        velocity : (n, 3) float64 array, m/s
+            Velocities of the phases; changed.
+        """
+        if not self._has_two_phases:
+            return
+        gradient, force = np.empty((2, particles.fluid_count, 3))
+        fraction = particles.sediment_fraction
+        pressure_gradient(particles.pressure, self._stencil, gradient)
+        advance(
+            dt,
+            gradient,
+            thrown,
+            fraction,
+            self._around.concentration,
+            self._drag,
+            *self._materials,
+            self._stencil,
+            particles.relative_velocity,
+            force,
+        )
+        drag_phases(
+            dt, force, particles.density, fraction, self._around.weight, self._stencil, velocity
+        )
+        self._follow(particles)
+
+    def exchange_places(self, particles: Particles, dt: float) -> None:
+        """Give the particles what the slip of a step owes them, by exchange of places."""
+        if not self._has_two_phases:
+            return
+        owed = particles.owed_displacement[particles.fluid]
+        owed += dt * self.velocity
+        length = np.linalg.norm(owed, axis=1)
+        most = MOST_OWED * self._stencil.spacing
+        owed[length > most] *= (most / length[length > most])[:, None]
+        partner = np.empty(particles.fluid_count, dtype=np.int64)
+        pair_up(
+            owed,
+            particles.sediment_fraction,
+            self._around.share,
+            self._around.weight,
+            self._drag.packing_limit,
+            self._stencil,
+            partner,
+        )
+        sinking = np.flatnonzero(partner > np.arange(partner.size))
+        particles.exchange(sinking, partner[sinking])

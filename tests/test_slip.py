@@ -1,0 +1,257 @@
+"""The slip between the phases: drag, relative velocity, exchange of places."""
+
+import numpy as np
+import pytest
+
+from debrisflow import granular, slip
+from debrisflow.lattice import reference
+from debrisflow.particles import MATTER, blank
+from debrisflow.rheology import drag_coefficient
+from debrisflow.slip import Materials, Slip
+from tests.building import GIDASPOW, RADII, WEN_YU, lattice_block, random_patch, stencil_of
+
+ROCK, WATER = 2650.0, 1000.0
+SIDE = 12
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(53)
+
+
+def checkerboard():
+    """Return particles of water and sediment that alternate on a periodic lattice, and stencil."""
+    position = lattice_block(2, SIDE)
+    stencil = stencil_of(
+        position, reference(2, 3.1, 1.0), period=np.array([SIDE, SIDE, 0.0], dtype=float)
+    )
+    particles = blank(len(position))
+    particles.fluid_count = len(position)
+    particles.position[:] = position
+    particles.sediment_fraction[:] = np.floor(position.sum(axis=1)) % 2.0
+    particles.density[:] = np.where(particles.sediment_fraction > 0, ROCK, WATER)
+    smooth(particles, stencil)
+    return particles, stencil
+
+
+def smooth(particles, stencil):
+    raw = np.zeros(particles.fluid_count)
+    granular.concentration(raw.size, particles.sediment_fraction, stencil, raw)
+    granular.concentration(raw.size, raw, stencil, particles.concentration)
+
+
+def random_mix(dimension, radius, rng, count=300):
+    """Return a random arrangement of water and sediment with relative velocities, and stencil."""
+    spacing = count ** (-1.0 / dimension)
+    stencil = stencil_of(random_patch(dimension, count, rng), reference(dimension, radius, spacing))
+    particles = blank(count)
+    particles.fluid_count = count
+    particles.sediment_fraction[:] = rng.choice([0.0, 1.0], count, p=(0.6, 0.4))
+    particles.density[:] = np.where(particles.sediment_fraction > 0, ROCK, WATER)
+    particles.relative_velocity[:, :dimension] = rng.normal(0.0, 0.2, (count, dimension))
+    smooth(particles, stencil)
+    return particles, stencil
+
+
+def analytic_rate(c, speed, law):
+    """Return ``K [(1 - C) / rho_s + C / rho_l]``, 1/s: beta acts on the share of each phase."""
+    coefficient = np.vectorize(lambda value: drag_coefficient(value, speed, law))(c)
+    return coefficient * ((1 - c) / ROCK + c / WATER)
+
+
+@pytest.mark.parametrize("dt", [1e-4, 1e-3, 0.1])
+@pytest.mark.parametrize("law", [GIDASPOW, WEN_YU])
+def test_drag_brings_the_phases_to_a_common_velocity_at_the_analytic_rate(dt, law):
+    # no pressure, so that only the drag acts; below the packing limit the grains are free
+    p, stencil = checkerboard()
+    law = law._replace(packing_limit=0.6)
+    is_rock = p.sediment_fraction > 0
+    start = np.array([0.3, -0.1, 0.0]), np.array([-0.5, 0.2, 0.0])
+    velocity = np.where(is_rock[:, None], *start)
+    p.relative_velocity[:] = start[0] - start[1]
+    before = p.density @ velocity
+    phases = Slip(law, Materials(ROCK, WATER))
+    phases.observe(p, stencil)
+    phases.act(p, np.zeros((0, 3)), dt, velocity)
+    rate = analytic_rate(phases._around.concentration, np.hypot(0.8, 0.3), law)
+    expected = np.outer(1 / (1 + dt * rate), [0.8, -0.3])
+    np.testing.assert_allclose(p.relative_velocity[:, :2], expected, rtol=1e-12)
+    # on each phase the drag of its share of the weights with the other
+    c, share = phases._around.concentration, phases._around.share
+    drag = rate / ((1 - c) / ROCK + c / WATER) * p.relative_velocity[:, 0]
+    drag = 0.5 * (drag[is_rock].mean() + drag[~is_rock].mean())
+    for phase, sign, other in ((is_rock, -1.0, 1 - share), (~is_rock, 1.0, share)):
+        change = sign * dt * other[phase] * drag / p.density[phase]
+        start_x = start[0][0] if sign < 0 else start[1][0]
+        np.testing.assert_allclose(velocity[phase, 0] - start_x, change, rtol=1e-10)
+    np.testing.assert_allclose(p.density @ velocity, before, rtol=1e-12)
+
+
+def test_drag_at_rest_decays_exponentially_as_the_step_vanishes():
+    # so slow that the drag is Stokes': K does not change
+    p, stencil = checkerboard()
+    law = WEN_YU._replace(packing_limit=0.6)
+    is_rock = p.sediment_fraction > 0
+    velocity = np.where(is_rock[:, None], [1e-9, 0.0, 0.0], 0.0)
+    p.relative_velocity[:, 0] = 1e-9
+    phases = Slip(law, Materials(ROCK, WATER))
+    phases.observe(p, stencil)
+    rate = analytic_rate(phases._around.concentration, 0.0, law)
+    end, steps = 2.0 / rate.max(), 2000
+    for _ in range(steps):
+        phases.act(p, np.zeros((0, 3)), end / steps, velocity)
+    # implicit Euler with a step of 1/1000 of the time of decay
+    np.testing.assert_allclose(p.relative_velocity[:, 0], 1e-9 * np.exp(-rate * end), rtol=2e-3)
+
+
+@pytest.mark.parametrize(("dimension", "radius"), RADII)
+def test_drag_gives_the_water_what_it_takes_from_the_grains(dimension, radius, rng):
+    p, stencil = random_mix(dimension, radius, rng)
+    velocity = np.zeros_like(p.velocity)
+    phases = Slip(WEN_YU, Materials(ROCK, WATER))
+    phases.observe(p, stencil)
+    phases.act(p, np.zeros((0, 3)), 1e-3, velocity)
+    given = p.density @ np.abs(velocity)
+    assert given[:dimension].min() > 0.0
+    assert np.abs(p.density @ velocity).max() < 1e-13 * given.max()
+
+
+def test_without_slip_there_is_no_drag_and_without_two_phases_no_slip(rng):
+    p, stencil = random_mix(2, 3.1, rng)
+    phases = Slip(WEN_YU, Materials(ROCK, WATER))
+    velocity = np.zeros_like(p.velocity)
+    p.relative_velocity[:] = 0.0
+    phases.observe(p, stencil)
+    phases.act(p, np.zeros((0, 3)), 1e-3, velocity)
+    assert not velocity.any()
+    p.sediment_fraction[:] = 1.0
+    p.relative_velocity[:] = 1.0
+    phases.observe(p, stencil)
+    phases.act(p, np.zeros((0, 3)), 1e-3, velocity)
+    phases.exchange_places(p, 1e-3)
+    assert not velocity.any()
+    assert not phases.velocity.any()
+    assert not p.owed_displacement.any()
+
+
+def test_the_slip_carries_no_volume():
+    p, stencil = checkerboard()
+    p.relative_velocity[:, 1] = -0.3
+    phases = Slip(WEN_YU, Materials(ROCK, WATER))
+    phases.observe(p, stencil)
+    is_rock = p.sediment_fraction > 0
+    assert np.all(phases.velocity[is_rock, 1] < -0.14)
+    assert np.all(phases.velocity[~is_rock, 1] > 0.14)
+    assert abs(phases.velocity[:, 1].sum()) < 1e-12
+
+
+def test_the_concentration_of_the_drag_has_no_bias_of_the_particle_itself(rng):
+    position = lattice_block(2, 40)
+    lattice = reference(2, 3.1, 1.0)
+    stencil = stencil_of(position, lattice, period=np.array([40.0, 40.0, 0.0]))
+    p = blank(len(position))
+    p.fluid_count = len(position)
+    p.sediment_fraction[:] = rng.choice([0.0, 1.0], len(position), p=(0.7, 0.3))
+    smooth(p, stencil)
+    c, share, weight = np.empty((3, len(position)))
+    slip.survey_surroundings(p.sediment_fraction, p.concentration, stencil, share, weight, c)
+    is_rock = p.sediment_fraction > 0
+    bias = p.concentration[is_rock].mean() - p.concentration[~is_rock].mean()
+    assert bias > 0.05
+    # a standard error of the mean of 480 correlated values is about 0.005
+    for values in (c, share):
+        assert values[is_rock].mean() - values[~is_rock].mean() == pytest.approx(0.0, abs=0.02)
+        assert values.mean() == pytest.approx(p.sediment_fraction.mean(), abs=0.002)
+    assert c.std() < share.std()
+    np.testing.assert_allclose(weight, lattice.number_density, rtol=1e-12)
+
+
+def test_rest_is_the_balance_of_drag_and_buoyant_weight():
+    # a given pressure gradient rho_m g on the periodic lattice, up to the jump at its seam
+    p, stencil = checkerboard()
+    law = WEN_YU._replace(packing_limit=0.6)
+    phases = Slip(law, Materials(ROCK, WATER))
+    p.pressure[:] = 0.5 * (ROCK + WATER) * 9.81 * (SIDE - p.position[:, 1])
+    middle = np.abs(p.position[:, 1] - 0.5 * SIDE) < 1.0
+    for _ in range(3000):
+        phases.observe(p, stencil)
+        phases.act(p, np.zeros((0, 3)), 1e-3, np.zeros_like(p.velocity))
+    u_r = p.relative_velocity[middle, 1]
+    assert np.all(u_r < 0.0)
+    c = phases._around.concentration[middle]
+    slowing = [analytic_rate(*pair, law) for pair in zip(c, -u_r, strict=True)] * -u_r
+    # 3 s are many times of relaxation
+    np.testing.assert_allclose(slowing, (1 / WATER - 1 / ROCK) * 1825.0 * 9.81, rtol=1e-4)
+
+
+def test_packed_grains_hardly_slip():
+    p, stencil = checkerboard()
+    free, packed = WEN_YU._replace(packing_limit=0.6), WEN_YU._replace(packing_limit=0.48)
+    speeds = []
+    for law in (free, packed):
+        p.relative_velocity[:] = 0.0
+        p.pressure[:] = 1825.0 * 9.81 * (SIDE - p.position[:, 1])
+        phases = Slip(law, Materials(ROCK, WATER))
+        for _ in range(500):
+            phases.observe(p, stencil)
+            phases.act(p, np.zeros((0, 3)), 1e-3, np.zeros_like(p.velocity))
+        speeds.append(-np.median(p.relative_velocity[:, 1]))
+    assert speeds[0] > 0.05
+    assert 0.0 < speeds[1] < 1e-3
+
+
+def test_collisions_of_grains_move_them_against_the_water():
+    p, stencil = checkerboard()
+    thrown = np.where(p.sediment_fraction[:, None] > 0, [50.0, 0.0, 0.0], 0.0)
+    phases = Slip(WEN_YU._replace(packing_limit=0.6), Materials(ROCK, WATER))
+    phases.observe(p, stencil)
+    phases.act(p, thrown, 1e-6, np.zeros_like(p.velocity))
+    np.testing.assert_allclose(p.relative_velocity[:, 0], 50.0 * 1e-6, rtol=1e-4)
+
+
+def test_particles_change_places_when_both_come_nearer_to_their_paths():
+    # sediment over water, a spacing apart; each is owed its part
+    for owed, expected in ((0.4, False), (0.6, True)):
+        position = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+        stencil = stencil_of(position, reference(2, 3.1, 1.0))
+        wish = np.array([[0.0, -owed, 0.0], [0.0, owed, 0.0]])
+        partner, fraction, none = np.empty(2, dtype=np.int64), np.array([1.0, 0.0]), np.zeros(2)
+        slip.pair_up(wish, fraction, none, np.full(2, 19.0), 0.55, stencil, partner)
+        assert list(partner) == ([1, 0] if expected else [-1, -1])
+        left = 1.0 - owed if expected else -owed
+        np.testing.assert_allclose(wish, [[0.0, left, 0.0], [0.0, -left, 0.0]], atol=1e-15)
+
+
+def test_no_sediment_enters_what_is_packed_already():
+    position = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    stencil = stencil_of(position, reference(2, 3.1, 1.0))
+    fraction, weight = np.array([1.0, 0.0]), np.full(2, 19.0)
+    for around_water, around_rock, moves in ((0.4, 0.3, True), (0.6, 0.3, False), (0.6, 0.7, True)):
+        wish = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
+        partner, share = np.empty(2, dtype=np.int64), np.array([around_rock, around_water])
+        slip.pair_up(wish, fraction, share, weight, 0.55, stencil, partner)
+        assert (partner[0] == 1) == moves
+
+
+def test_an_exchange_moves_the_matter_and_keeps_sums_and_places(rng):
+    p, stencil = random_mix(2, 3.1, rng)
+    p.id[:] = rng.permutation(300)
+    p.velocity[:] = rng.normal(size=(300, 3))
+    p.owed_displacement[:, 1] = np.where(p.sediment_fraction > 0, -1.0, 0.3) / np.sqrt(300)
+    before = {name: value.copy() for name, value in p.arrays().items()}
+    phases = Slip(WEN_YU._replace(packing_limit=0.9), Materials(ROCK, WATER))
+    phases.observe(p, stencil)
+    phases.exchange_places(p, 1e-9)
+    moved = p.id != before["id"]
+    assert moved.sum() > 20
+    assert np.array_equal(np.sort(p.id), np.arange(300))
+    back = np.argsort(p.id)[before["id"]]  # the row in which each particle now stands
+    for name in set(MATTER) - {"owed_displacement"}:
+        np.testing.assert_array_equal(getattr(p, name)[back], before[name], err_msg=name)
+    for name in set(before) - set(MATTER):
+        np.testing.assert_array_equal(getattr(p, name), before[name], err_msg=name)
+    np.testing.assert_allclose(
+        p.owed_displacement.sum(axis=0), before["owed_displacement"].sum(axis=0), atol=1e-7
+    )
+    # place + owed displacement is where a particle's own path has led
+    assert np.sum(p.owed_displacement**2) < np.sum(before["owed_displacement"] ** 2)

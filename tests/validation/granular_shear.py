@@ -1,0 +1,174 @@
+"""Grains that collide in plane shear and in a film on a slope, against kinetic theory.
+
+Everything is rock: the concentration of the closure is its clipped value, 0.5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow import granular
+from debrisflow.case import tables
+from debrisflow.case.defaults import complete
+from debrisflow.schemes import SemiImplicit
+from debrisflow.state import State, initial_state
+
+Floats = NDArray[np.float64]
+HEIGHT, GRAIN, RESTITUTION, ROCK = 0.1, 0.01, 0.7, 2650.0
+CONCENTRATION, PACKING = 0.5, 0.55
+REFERENCE = Path(__file__).parent / "reference"
+
+
+def layer(rows: int, slope: float | None, wall_speed: float, temperature: str) -> tables.Case:
+    """Return a periodic layer of grains: a film on a slope, or closed and without gravity."""
+    spacing = HEIGHT / rows
+    width = 14 * spacing
+    closed = slope is None
+    return complete(
+        tables.Case(
+            title="grains",
+            particles=tables.Particles(spacing=spacing),
+            gravity=tables.Gravity(acceleration=0.0)
+            if slope is None
+            else tables.Gravity(slope=slope),
+            geometry=tables.Tank(
+                type="tank",
+                width=width,
+                height=HEIGHT if closed else 1.5 * HEIGHT,
+                ceiling=closed,
+                periodic=True,
+            ),
+            fill=(
+                tables.Block(type="block", x=(0.0, width), y=(0.0, HEIGHT), material="sediment"),
+            ),
+            water=tables.Water(viscosity=0.0),
+            sediment=tables.Sediment(
+                viscosity=0.0, grain_diameter=GRAIN, restitution=RESTITUTION, packing_limit=PACKING
+            ),
+            collision_stress=tables.CollisionStress(
+                enabled=True, granular_temperature=temperature, largest_concentration=CONCENTRATION
+            ),
+            walls=tables.Walls(ceiling=tables.Wall(velocity=(wall_speed, 0.0))),
+            time=tables.Time(end=10.0),
+            output=tables.Output(interval=0.01),
+        )
+    )
+
+
+def advance(scheme: SemiImplicit, state: State, until: float) -> None:
+    """Take steps up to a time."""
+    while state.time < until:
+        dt = min(scheme.stable_dt(state), until - state.time)
+        scheme.step(state, dt)
+        state.time += dt
+        state.step += 1
+
+
+@dataclass
+class PlaneShear:
+    """What a sheared layer did in its middle: T over that of the balance, and tau over p."""
+
+    temperature_ratio: float
+    stress_ratio: float
+
+
+def plane_shear(rows: int = 20, rate: float = 10.0, temperature: str = "algebraic") -> PlaneShear:
+    """Shear a layer between walls and measure it, twenty times from the fourth strain unit on.
+
+    The stress is that of the forces between the particles: the virial of the pairs within the
+    middle half of the layer.
+    """
+    case = layer(rows, None, rate * HEIGHT, temperature)
+    scheme, state = SemiImplicit(case), initial_state(case)
+    p = state.particles
+    p.velocity[p.fluid, 0] = rate * p.position[p.fluid, 1]
+    temperatures, stresses, rates = [], [], []
+    for number in range(20):
+        advance(scheme, state, (4.0 + 0.1 * number) / rate)
+        scheme.observe(state)
+        y = p.position[p.fluid, 1]
+        middle = np.abs(y - 0.5 * HEIGHT) < 0.25 * HEIGHT
+        slope = np.polyfit(y[middle], p.velocity[p.fluid, 0][middle], 1)[0]
+        balance = (GRAIN * slope) ** 2 / (15.0 * (1.0 - RESTITUTION))
+        temperatures.append(p.granular_temperature[p.fluid][middle].mean() / balance)
+        stresses.append(virial(scheme, state, middle))
+        rates.append(slope)
+    shear, pressure = np.mean(stresses, axis=0)
+    return PlaneShear(float(np.mean(temperatures)), float(shear / pressure))
+
+
+def virial(scheme: SemiImplicit, state: State, chosen: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return shear stress and pressure, Pa, from the forces on the chosen particles.
+
+    ``-1/2 sum of f_ij (x) r_ij`` a particle, whose volume is 1 here, each pair's force taken alone
+    from the kernel.  The shear stress is what carries momentum along x through planes of y: as a
+    Laplacian the viscous stress is ``mu grad u``, not its symmetric part.
+    """
+    stencil, p = scheme._stencil, state.particles
+    assert stencil is not None
+    fraction, (pressure, viscosity) = p.sediment_fraction, scheme._collisions
+    shear, normal = [], []
+    for i in np.flatnonzero(chosen):
+        found = np.zeros((2, 2))
+        for k in range(stencil.neighbor_count[i]):
+            alone = stencil._replace(
+                neighbors=stencil.neighbors[:, k : k + 1],
+                neighbor_count=np.ones_like(stencil.neighbor_count),
+                dx=stencil.dx[:, k : k + 1],
+                dy=stencil.dy[:, k : k + 1],
+                dz=stencil.dz[:, k : k + 1],
+                inverse=stencil.inverse[:, k : k + 1],
+            )
+            force = granular.collision_force_at(
+                i, p.fluid_count, p.velocity, fraction, pressure, viscosity, scheme._walls, alone
+            )
+            found += 0.5 * np.outer(force[:2], (stencil.dx[i, k], stencil.dy[i, k]))
+        shear.append(found[0, 1])
+        normal.append(-0.5 * np.trace(found))
+    return float(np.mean(shear)), float(np.mean(normal))
+
+
+@dataclass
+class Film:
+    """Time means of a steady film by rows: height over depth, speed and T over the exact ones."""
+
+    height: Floats
+    speed: Floats
+    exact: Floats
+    temperature_ratio: Floats
+
+
+def film(rows: int = 20, slope: float = 10.0, end: float = 4.0) -> Film:
+    """Let a layer of grains run down a slope from rest until it is steady."""
+    case = layer(rows, slope, 0.0, "algebraic")
+    scheme, state = SemiImplicit(case), initial_state(case)
+    p, (water, _) = state.particles, case.gravity.components
+    g0 = granular.radial_distribution(CONCENTRATION, PACKING)
+    factor = 0.8 * CONCENTRATION**2 * GRAIN**2 * ROCK * g0 * (1.0 + RESTITUTION)
+    factor /= np.sqrt(15.0 * np.pi * (1.0 - RESTITUTION))
+    surface = 2.0 / 3.0 * HEIGHT**1.5 * np.sqrt(ROCK * water / factor)
+    samples = []
+    for time in np.linspace(0.8 * end, end, 40):
+        advance(scheme, state, time)
+        samples.append(
+            np.column_stack(
+                [p.position[p.fluid, 1], p.velocity[p.fluid, 0], p.granular_temperature[p.fluid]]
+            )
+        )
+    y, u, temperature = np.concatenate(samples).T
+    row = np.minimum((y / HEIGHT * rows).astype(int), rows - 1)
+    count = np.bincount(row, minlength=rows)
+    seen = count > 0.1 * count.max()
+    mean_y, mean_u, mean_t = (
+        (np.bincount(row, values, minlength=rows)[seen] / count[seen])
+        for values in (y, u, temperature)
+    )
+    height = mean_y / HEIGHT
+    rate = 1.5 * surface / HEIGHT * np.sqrt(1.0 - height)
+    balance = (GRAIN * rate) ** 2 / (15.0 * (1.0 - RESTITUTION))
+    exact = 1.0 - (1.0 - height) ** 1.5
+    return Film(height, mean_u / surface, exact, mean_t / balance)
