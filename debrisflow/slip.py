@@ -181,23 +181,34 @@ def drag_phases(dt, force, density, fraction, weight, stencil, velocity):
 
 
 @kernel
-def is_packed(i, j, share, weight, packing_limit):
-    """Tell whether sediment from i finds no room at j.
+def concentration_ahead(i, j, dx, dy, dz, fraction, fluid_count, stencil):
+    """Return C at the place of j for sediment that comes from i, itself counted.
 
-    Where C, with the newcomer counted, would exceed the packing limit, unless it is even denser
-    around i.
+    Of the half of the surroundings that lies ahead or beside: what it leaves behind does not count,
+    else the top of a bed, which sees clear water above, would pack to more than the limit.
     """
-    full = packing_limit * (1.0 + SELF_WEIGHT / weight[j]) - SELF_WEIGHT / weight[j]
-    return share[j] >= max(full, share[i])
+    share, total = 0.5 * SELF_WEIGHT, 0.5 * SELF_WEIGHT
+    beside = -0.25 * stencil.spacing * np.sqrt(dx * dx + dy * dy + dz * dz)
+    for k in range(stencil.unknown_count[j]):
+        other = stencil.neighbors[j, k]
+        if other >= fluid_count or other == i:
+            continue
+        ahead = stencil.dx[j, k] * dx + stencil.dy[j, k] * dy + stencil.dz[j, k] * dz
+        if ahead > beside:
+            w = stencil.effective_radius * stencil.inverse[j, k] - 1.0
+            total += w
+            share += w * fraction[other]
+    return share / total
 
 
 @kernel
-def pair_up(owed, fraction, share, weight, packing_limit, stencil, partner):
+def pair_up(owed, fraction, packing_limit, stencil, partner):
     """Write who exchanges places with whom, -1 for who stays, and settle what they are owed.
 
     Sediment exchanges places with the water particle that brings both nearest to their own paths,
-    that is the greatest ``(owed_i - owed_j - r_ij) . r_ij > 0``; each particle at most once.  One
-    after the other in the order of the rows, so that the result does not depend on threads.
+    that is the greatest ``(owed_i - owed_j - r_ij) . r_ij > 0``, where it finds room; each particle
+    at most once.  One after the other in the order of the rows, so that the result does not depend
+    on threads.
     """
     partner[:] = -1
     for i in range(partner.size):
@@ -211,7 +222,6 @@ def pair_up(owed, fraction, share, weight, packing_limit, stencil, partner):
                 or j >= partner.size
                 or fraction[j] != 0.0
                 or partner[j] >= 0
-                or is_packed(i, j, share, weight, packing_limit)
             ):
                 continue
             dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
@@ -220,7 +230,10 @@ def pair_up(owed, fraction, share, weight, packing_limit, stencil, partner):
                 + (owed[i, 1] - owed[j, 1] - dy) * dy
                 + (owed[i, 2] - owed[j, 2] - dz) * dz
             )
-            if nearer > gain:
+            if nearer <= gain:
+                continue
+            c = concentration_ahead(i, j, dx, dy, dz, fraction, partner.size, stencil)
+            if c < packing_limit:
                 found, gain = k, nearer
         if found >= 0:
             j = stencil.neighbors[i, found]
@@ -314,8 +327,6 @@ class Slip:
         pair_up(
             owed,
             particles.sediment_fraction,
-            self._around.share,
-            self._around.weight,
             self._drag.packing_limit,
             self._stencil,
             partner,

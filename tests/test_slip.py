@@ -215,22 +215,39 @@ def test_particles_change_places_when_both_come_nearer_to_their_paths():
         position = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
         stencil = stencil_of(position, reference(2, 3.1, 1.0))
         wish = np.array([[0.0, -owed, 0.0], [0.0, owed, 0.0]])
-        partner, fraction, none = np.empty(2, dtype=np.int64), np.array([1.0, 0.0]), np.zeros(2)
-        slip.pair_up(wish, fraction, none, np.full(2, 19.0), 0.55, stencil, partner)
+        partner, fraction = np.empty(2, dtype=np.int64), np.array([1.0, 0.0])
+        slip.pair_up(wish, fraction, 1.01, stencil, partner)
         assert list(partner) == ([1, 0] if expected else [-1, -1])
         left = 1.0 - owed if expected else -owed
         np.testing.assert_allclose(wish, [[0.0, left, 0.0], [0.0, -left, 0.0]], atol=1e-15)
 
 
-def test_no_sediment_enters_what_is_packed_already():
-    position = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+def layered():
+    """Return a lattice whose lower half is sediment and water by turns, phases, and stencil."""
+    position = lattice_block(2, SIDE)
     stencil = stencil_of(position, reference(2, 3.1, 1.0))
-    fraction, weight = np.array([1.0, 0.0]), np.full(2, 19.0)
-    for around_water, around_rock, moves in ((0.4, 0.3, True), (0.6, 0.3, False), (0.6, 0.7, True)):
-        wish = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
-        partner, share = np.empty(2, dtype=np.int64), np.array([around_rock, around_water])
-        slip.pair_up(wish, fraction, share, weight, 0.55, stencil, partner)
-        assert (partner[0] == 1) == moves
+    in_bed = position[:, 1] < 0.5 * SIDE
+    fraction = np.where(in_bed, np.floor(position.sum(axis=1)) % 2.0, 0.0)
+    return position, fraction, stencil
+
+
+@pytest.mark.parametrize(("packing_limit", "enters"), [(0.35, False), (0.65, True)])
+def test_no_sediment_enters_what_is_packed_already(packing_limit, enters):
+    # a grain over a bed of C = 0.5, half as much within its whole reach
+    position, fraction, stencil = layered()
+    top = int(np.argmin(np.linalg.norm(position - [5.5, 6.5, 0.0], axis=1)))
+    below = int(np.argmin(np.linalg.norm(position - [5.5, 5.5, 0.0], axis=1)))
+    fraction[top], fraction[below] = 1.0, 0.0
+    ahead = slip.concentration_ahead(top, below, 0.0, -1.0, 0.0, fraction, len(position), stencil)
+    assert 0.4 < ahead < 0.6
+    around, _, _ = slip.surroundings_at(below, len(position), fraction, stencil)
+    assert around < 0.7 * ahead  # with the clear water above
+    wish = np.zeros_like(position)
+    wish[top, 1] = -1.2
+    partner = np.empty(len(position), dtype=np.int64)
+    slip.pair_up(wish, fraction, packing_limit, stencil, partner)
+    assert (partner[top] == below) == enters
+    assert np.count_nonzero(partner >= 0) == 2 * enters
 
 
 def test_an_exchange_moves_the_matter_and_keeps_sums_and_places(rng):
