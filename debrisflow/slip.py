@@ -36,7 +36,7 @@ from debrisflow.rheology import DragLaw, drag_coefficient, mobility
 Floats = NDArray[np.float64]
 SELF_WEIGHT = 2.0  # of a particle in its own means, as in the concentration
 PLACES_WITHIN = 1.6  # spacings between particles that exchange places
-MOST_OWED = 2.0  # spacings; what a packing does not let a particle have is forgotten
+MOST_OWED = 2.0  # spacings; what is owed this much is held by its neighbors
 
 
 class Surroundings(NamedTuple):
@@ -114,12 +114,36 @@ def mean_at(i, values, chosen, stencil):
 
 
 @kernel
-def advance_at(i, dt, gradient, everywhere, thrown, fraction, c, drag, rock, water, stencil, u_r):
-    """Advance u_r of particle i by a step and return the drag ``K u_r``, N/m3.
+def freedom_at(i, part, owed, spacing, u_r):
+    """Return 1, or less the more a particle is owed of the way that it slips, down to 1e-4.
+
+    A grain that lies on a packed bed finds no room to go; its slip has to end, smoothly, since a
+    slip that comes and goes would shake the bed until it creeps.
+    """
+    along = owed[i, 0] * u_r[i, 0] + owed[i, 1] * u_r[i, 1] + owed[i, 2] * u_r[i, 2]
+    if along * part[i] <= 0.0:
+        return 1.0
+    length = np.sqrt(owed[i, 0] ** 2 + owed[i, 1] ** 2 + owed[i, 2] ** 2)
+    return mobility(length, MOST_OWED * spacing)
+
+
+@kernel
+def advance_at(i, dt, drive, resistance, c, rock, water, u_r):
+    """Advance u_r of particle i by a step.
 
     Implicit in u_r with the coefficient at the old speed, so that no step is too long for it.
-    Where the grains touch, the drag is divided by their mobility.  ``thrown`` is the acceleration
-    of the grains by collisions, an array without rows where there are none.
+    """
+    rate = resistance * ((1.0 - c) / rock + c / water)
+    kept = 1.0 / (1.0 + dt * rate)
+    for axis in range(3):
+        u_r[i, axis] = kept * (u_r[i, axis] + dt * drive[axis])
+
+
+@kernel
+def drive_at(i, gradient, everywhere, thrown, fraction, rock, water, stencil):
+    """Return what accelerates the grains against the water, m/s2.
+
+    ``thrown`` is the acceleration of the grains by collisions, without rows where there are none.
     """
     x, y, z = mean_at(i, gradient, everywhere, stencil)
     buoyancy = 1.0 / water - 1.0 / rock
@@ -129,24 +153,26 @@ def advance_at(i, dt, gradient, everywhere, thrown, fraction, c, drag, rock, wat
         x += gx
         y += gy
         z += gz
-    speed = np.sqrt(u_r[i, 0] ** 2 + u_r[i, 1] ** 2 + u_r[i, 2] ** 2)
-    coefficient = drag_coefficient(c[i], speed, drag) / mobility(c[i], drag.packing_limit)
-    rate = coefficient * ((1.0 - c[i]) / rock + c[i] / water)
-    kept = 1.0 / (1.0 + dt * rate)
-    u_r[i, 0] = kept * (u_r[i, 0] + dt * x)
-    u_r[i, 1] = kept * (u_r[i, 1] + dt * y)
-    u_r[i, 2] = kept * (u_r[i, 2] + dt * z)
-    return coefficient * u_r[i, 0], coefficient * u_r[i, 1], coefficient * u_r[i, 2]
+    return x, y, z
 
 
 @loop
-def advance(dt, gradient, thrown, fraction, c, drag, rock, water, stencil, u_r, force):
-    """Advance the relative velocity of all fluid particles and write ``K u_r``, N/m3."""
+def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, stencil, u_r, force):
+    """Advance the relative velocity of all fluid particles and write ``K u_r``, N/m3.
+
+    Where the grains touch or are held, K is divided by their mobility.
+    """
     everywhere = np.ones(c.size)
     for i in prange(c.size):
-        force[i, 0], force[i, 1], force[i, 2] = advance_at(
-            i, dt, gradient, everywhere, thrown, fraction, c, drag, rock, water, stencil, u_r
+        drive = drive_at(i, gradient, everywhere, thrown, fraction, rock, water, stencil)
+        speed = np.sqrt(u_r[i, 0] ** 2 + u_r[i, 1] ** 2 + u_r[i, 2] ** 2)
+        resistance = drag_coefficient(c[i], speed, drag) / (
+            mobility(c[i], drag.packing_limit) * freedom_at(i, part, owed, stencil.spacing, u_r)
         )
+        advance_at(i, dt, drive, resistance, c[i], rock, water, u_r)
+        force[i, 0] = resistance * u_r[i, 0]
+        force[i, 1] = resistance * u_r[i, 1]
+        force[i, 2] = resistance * u_r[i, 2]
 
 
 @kernel
@@ -202,17 +228,17 @@ def concentration_ahead(i, j, dx, dy, dz, fraction, fluid_count, stencil):
 
 
 @kernel
-def pair_up(owed, fraction, packing_limit, stencil, partner):
+def pair_up(owed, fraction, c, packing_limit, stencil, partner):
     """Write who exchanges places with whom, -1 for who stays, and settle what they are owed.
 
     Sediment exchanges places with the water particle that brings both nearest to their own paths,
     that is the greatest ``(owed_i - owed_j - r_ij) . r_ij > 0``, where it finds room; each particle
-    at most once.  One after the other in the order of the rows, so that the result does not depend
+    at most once, and grains that touch others not at all, so that a bed rests.  One after the other in the order of the rows, so that the result does not depend
     on threads.
     """
     partner[:] = -1
     for i in range(partner.size):
-        if fraction[i] != 1.0:
+        if fraction[i] != 1.0 or mobility(c[i], packing_limit) < 1.0:
             continue
         found, gain = -1, 0.0
         for k in range(stencil.unknown_count[i]):
@@ -279,8 +305,8 @@ class Slip:
     def _follow(self, particles: Particles) -> None:
         fraction = particles.sediment_fraction[particles.fluid]
         is_pure = self._has_two_phases & ((fraction == 0.0) | (fraction == 1.0))
-        part = np.where(is_pure, fraction - self._around.share, 0.0)
-        self.velocity = part[:, None] * particles.relative_velocity[particles.fluid]
+        self._part = np.where(is_pure, fraction - self._around.share, 0.0)
+        self.velocity = self._part[:, None] * particles.relative_velocity[particles.fluid]
 
     def act(self, particles: Particles, thrown: Floats, dt: float, velocity: Floats) -> None:
         """Advance relative velocity and slip by a step, and add the drag to the velocities.
@@ -303,6 +329,8 @@ class Slip:
             thrown,
             fraction,
             self._around.concentration,
+            self._part,
+            particles.owed_displacement,
             self._drag,
             *self._materials,
             self._stencil,
@@ -327,6 +355,7 @@ class Slip:
         pair_up(
             owed,
             particles.sediment_fraction,
+            self._around.concentration,
             self._drag.packing_limit,
             self._stencil,
             partner,

@@ -1,6 +1,6 @@
-"""Draw frames of a two-dimensional run one below the other, into a PNG.
+"""Draw frames of two-dimensional runs, times one below the other and runs side by side.
 
-python scripts/draw_frames.py RUN FILE.png --times 0,2.6,4.5 [--by speed] [--window x0,x1,y0,y1]
+python scripts/draw_frames.py RUN... FILE.png --times 0,2.6,4.5 [--by speed] [--window x0,x1,y0,y1]
 """
 
 from __future__ import annotations
@@ -48,33 +48,49 @@ def draw(axes: plt.Axes, path: Path, by: str) -> None:
 
 
 @click.command()
-@click.argument("run", type=click.Path(path_type=Path, exists=True))
+@click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path, exists=True))
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--times", required=True, help="Times, s, separated by commas; the nearest frames.")
 @click.option("--by", default="kind", show_default=True, help="kind, speed or a point array.")
 @click.option("--window", help="x0,x1,y0,y1 in m; everything if left out.")
 @click.option("--equal/--stretched", default=True, help="Same scale on both axes.")
-def main(run: Path, file: Path, times: str, by: str, window: str | None, equal: bool) -> None:
-    """Draw frames of RUN into FILE."""
-    frames = read_collection(run / "particles.pvd")
-    known = np.array([time for time, _ in frames])
-    wanted = [int(np.argmin(np.abs(known - float(t)))) for t in times.split(",")]
-    figure, rows = plt.subplots(
-        len(wanted), 1, figsize=(12, 1.7 * len(wanted)), squeeze=False, layout="constrained"
+@click.option("--height", default=1.7, show_default=True, help="Height of a frame, inches.")
+def main(
+    runs: tuple[Path, ...],
+    file: Path,
+    times: str,
+    by: str,
+    window: str | None,
+    equal: bool,
+    height: float,
+) -> None:
+    """Draw frames of RUNS into FILE."""
+    wanted = [float(t) for t in times.split(",")]
+    figure, grid = plt.subplots(
+        len(wanted),
+        len(runs),
+        figsize=(12, height * len(wanted)),
+        squeeze=False,
+        layout="constrained",
     )
-    for axes, k in zip(rows[:, 0], wanted, strict=True):
-        time, path = frames[k]
-        draw(axes, path, by)
-        axes.set_title(f"t = {time:.2f} s", fontsize=9, loc="left", pad=2)
+    for column, run in zip(grid.T, runs, strict=True):
+        frames = read_collection(run / "particles.pvd")
+        known = np.array([time for time, _ in frames])
+        for axes, moment in zip(column, wanted, strict=True):
+            time, path = frames[int(np.argmin(np.abs(known - moment)))]
+            draw(axes, path, by)
+            name = f"{run.name}, " if len(runs) > 1 else ""
+            axes.set_title(f"{name}t = {time:.2f} s", fontsize=9, loc="left", pad=2)
+            axes.set_aspect("equal" if equal else "auto")
+            if window:
+                x0, x1, y0, y1 = (float(v) for v in window.split(","))
+                axes.set_xlim(x0, x1)
+                axes.set_ylim(y0, y1)
+        column[-1].set_xlabel("x (m)")
+    for axes in grid[:, 0]:
         axes.set_ylabel("y (m)")
-        axes.set_aspect("equal" if equal else "auto")
-        if window:
-            x0, x1, y0, y1 = (float(v) for v in window.split(","))
-            axes.set_xlim(x0, x1)
-            axes.set_ylim(y0, y1)
-    rows[-1, 0].set_xlabel("x (m)")
     if by == "kind":
-        handles, labels = rows[0, 0].get_legend_handles_labels()
+        handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper right", ncols=6, markerscale=3)
     figure.savefig(file, dpi=90)
     click.echo(f"wrote {file}")

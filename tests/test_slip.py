@@ -216,7 +216,7 @@ def test_particles_change_places_when_both_come_nearer_to_their_paths():
         stencil = stencil_of(position, reference(2, 3.1, 1.0))
         wish = np.array([[0.0, -owed, 0.0], [0.0, owed, 0.0]])
         partner, fraction = np.empty(2, dtype=np.int64), np.array([1.0, 0.0])
-        slip.pair_up(wish, fraction, 1.01, stencil, partner)
+        slip.pair_up(wish, fraction, np.zeros(2), 1.01, stencil, partner)
         assert list(partner) == ([1, 0] if expected else [-1, -1])
         left = 1.0 - owed if expected else -owed
         np.testing.assert_allclose(wish, [[0.0, left, 0.0], [0.0, -left, 0.0]], atol=1e-15)
@@ -245,9 +245,32 @@ def test_no_sediment_enters_what_is_packed_already(packing_limit, enters):
     wish = np.zeros_like(position)
     wish[top, 1] = -1.2
     partner = np.empty(len(position), dtype=np.int64)
-    slip.pair_up(wish, fraction, packing_limit, stencil, partner)
+    free = np.zeros(len(position))
+    slip.pair_up(wish, fraction, free, packing_limit, stencil, partner)
     assert (partner[top] == below) == enters
     assert np.count_nonzero(partner >= 0) == 2 * enters
+
+
+@pytest.mark.parametrize(("c", "moves"), [(0.89, True), (0.91, False)])
+def test_grains_that_touch_exchange_no_places(c, moves):
+    # contact begins at 0.9 of the limit; there is room, since a limit of 1.01 is no limit
+    position, fraction = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]), np.array([1.0, 0.0])
+    stencil = stencil_of(position, reference(2, 3.1, 1.0))
+    wish, partner = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]), np.empty(2, dtype=np.int64)
+    slip.pair_up(wish, fraction, np.full(2, 1.01 * c), 1.01, stencil, partner)
+    assert (partner[0] == 1) == moves
+
+
+def test_a_grain_that_is_owed_more_than_it_can_have_is_held():
+    part, spacing = np.array([0.7]), 0.01
+    down, up = np.array([[0.0, -0.02, 0.0]]), np.array([[0.0, 0.02, 0.0]])
+    u_r = np.array([[0.0, -0.2, 0.0]])
+    assert slip.freedom_at(0, part, down, spacing, u_r) == pytest.approx(1e-4)
+    assert slip.freedom_at(0, part, 0.95 * down, spacing, u_r) == pytest.approx(0.5)
+    assert slip.freedom_at(0, part, 0.5 * down, spacing, u_r) == 1.0
+    assert slip.freedom_at(0, part, up, spacing, u_r) == 1.0  # it comes nearer to its path
+    # the water around slips the other way
+    assert slip.freedom_at(0, -part, up, spacing, u_r) == pytest.approx(1e-4)
 
 
 def test_an_exchange_moves_the_matter_and_keeps_sums_and_places(rng):

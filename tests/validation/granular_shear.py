@@ -132,6 +132,18 @@ def virial(scheme: SemiImplicit, state: State, chosen: NDArray[np.bool_]) -> tup
     return float(np.mean(shear)), float(np.mean(normal))
 
 
+def discrete_elements() -> tuple[Floats, Floats, Floats]:
+    """Return y / H, T / U^2 and shear rate H / U of Vescovi et al. 2014 between 0.2 and 0.8 H.
+
+    Nearer to the bumpy walls fluctuations are conducted from them, which the balance leaves out.
+    """
+    names = ("vescovi_2014_temperature.csv", "vescovi_2014_velocity.csv")
+    (t, y), (u, at) = (np.loadtxt(REFERENCE / n, delimiter=",", skiprows=3).T for n in names)
+    rate = np.interp(y, 0.5 * (at[1:] + at[:-1]), np.diff(u) / np.diff(at))
+    interior = (y > 0.2) & (y < 0.8)
+    return y[interior], t[interior], rate[interior]
+
+
 @dataclass
 class Film:
     """Time means of a steady film by rows: height over depth, speed and T over the exact ones."""

@@ -28,7 +28,8 @@ def richardson_zaki(c: float) -> float:
 class Settled:
     """What a column did: speeds in m/s, heights in m, displacements in spacings.
 
-    ``bed`` is the concentration of the bed less its lowest and highest two rows.
+    ``bed`` is the concentration of the bed from its third row to 0.7 of its height, for its top is
+    uneven.
     """
 
     speed: float
@@ -67,7 +68,7 @@ def run(c: float, seed: int = 1, law: str = "wen-yu", spacing: float = 0.01) -> 
     is_rock[p.id[p.fluid]] = p.sediment_fraction[p.fluid] > 0
     moved = moved[is_rock] / spacing
     height, profile = concentration_profile(state, spacing)
-    in_bed = (height > 2 * spacing) & (height < heights[-1] - 2 * spacing)
+    in_bed = (height > 2 * spacing) & (height < 0.7 * heights[-1])
     return Settled(
         fall_speed(np.array(times), np.array(heights), c),
         float(profile[in_bed].mean()),
