@@ -233,8 +233,8 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
 
     Sediment exchanges places with the water particle that brings both nearest to their own paths,
     that is the greatest ``(owed_i - owed_j - r_ij) . r_ij > 0``, where it finds room; each particle
-    at most once, and grains that touch others not at all, so that a bed rests.  One after the other in the order of the rows, so that the result does not depend
-    on threads.
+    at most once, and grains that touch others not at all, so that a bed rests.  One after the other
+    in the order of the rows, so that the result does not depend on threads.
     """
     partner[:] = -1
     for i in range(partner.size):
@@ -258,8 +258,8 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
             )
             if nearer <= gain:
                 continue
-            c = concentration_ahead(i, j, dx, dy, dz, fraction, partner.size, stencil)
-            if c < packing_limit:
+            there = concentration_ahead(i, j, dx, dy, dz, fraction, partner.size, stencil)
+            if there < packing_limit:
                 found, gain = k, nearer
         if found >= 0:
             j = stencil.neighbors[i, found]
