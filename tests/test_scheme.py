@@ -13,9 +13,12 @@ import pytest
 
 from debrisflow import boundary, checkpoint, simulation
 from debrisflow._jit import set_threads
+from debrisflow.case.defaults import complete
 from debrisflow.lattice import reference
 from debrisflow.linear import Solver
+from debrisflow.rheology import drag_coefficient
 from tests.building import (
+    WEN_YU,
     advance,
     bed_case,
     energy_of,
@@ -80,11 +83,73 @@ def test_a_free_drop_gains_the_momentum_of_gravity_alone(rng, tables):
 @compiled
 @pytest.mark.parametrize(
     "tables",
-    [{"drag": {"law": "gidaspow"}}, {"strength": {"law": "coulomb"}}],
-    ids=["drag", "strength"],
+    [
+        {"drag": {"law": "gidaspow"}},
+        {"drag": {"law": "wen-yu"}, "collision_stress": {"enabled": True}},
+        {"strength": {"law": "coulomb"}},
+    ],
+    ids=["drag", "drag-and-collision-stress", "strength"],
 )
 def test_a_free_drop_with_implicit_forces_gains_the_momentum_of_gravity_alone(rng, tables):
     assert drift_of_a_drop(*dropped(rng, **tables), until=0.1) < 1e-12
+
+
+def passing_phases(law, c=0.3, speed=0.2):
+    """Return scheme and state of a closed box without gravity whose phases pass each other."""
+    walls = {name: {"slip": "free-slip"} for name in ("floor", "ceiling")}
+    case = tank_case(20, 20, "mix", (20, 20), drag={"law": law}, walls=walls)
+    plain = case.model_dump() | {"gravity": {"acceleration": 0.0}, "output": {"interval": 0.01}}
+    plain["geometry"] |= {"periodic": True, "ceiling": True}
+    plain["fill"][0]["sediment_share"] = c
+    plain["time"] |= {"largest_step": None}
+    scheme, state = started(complete(type(case).model_validate(plain)))
+    p = state.particles
+    is_rock = p.sediment_fraction[p.fluid] > 0
+    p.velocity[p.fluid, 0] = np.where(is_rock, speed * (1 - c), -speed * c)
+    p.relative_velocity[p.fluid, 0] = speed
+    return scheme, state
+
+
+def slip_of(particles):
+    """Return the mean velocity of sediment along x relative to that of water, m/s."""
+    is_rock = particles.sediment_fraction[particles.fluid] > 0
+    along = particles.velocity[particles.fluid, 0]
+    return along[is_rock].mean() - along[~is_rock].mean()
+
+
+@compiled
+def test_drag_brings_phases_that_pass_each_other_to_a_common_velocity():
+    # du/dt = -K(u) [(1 - C) / rho_s + C / rho_l] u, in steps so small that the order is no matter
+    c, start, dt = 0.3, 0.2, 1e-5
+    scheme, state = passing_phases("wen-yu", c, start)
+    exact, time = start, 0.0
+    for until in (0.02, 0.05, 0.1):
+        advance(scheme, state, until=until)
+        while time < until:
+            rate = drag_coefficient(c, exact, WEN_YU) * ((1 - c) / 2650.0 + c / 1000.0)
+            exact, time = exact - dt * rate * exact, time + dt
+        p = state.particles
+        carried = p.relative_velocity[p.fluid, 0].mean()
+        # C varies from place to place in a random mix, and K with it
+        assert carried == pytest.approx(exact, rel=0.10)
+        # the velocities of the particles follow but for their collisions
+        assert slip_of(p) == pytest.approx(exact, abs=0.1 * start)
+
+
+@compiled
+def test_without_a_law_of_drag_nothing_slips():
+    scheme, state = passing_phases("none")
+    places = state.particles.position[state.particles.fluid].copy()
+    order = state.particles.id[state.particles.fluid].copy()
+    advance(scheme, state, steps=1)
+    p = state.particles
+    # each particle has moved by its own velocity, and none has exchanged places
+    moved = p.position[p.fluid][np.argsort(p.id[p.fluid])] - places[np.argsort(order)]
+    velocity = p.velocity[p.fluid][np.argsort(p.id[p.fluid])]
+    period = scheme.domain.period[0]
+    moved[:, 0] -= period * np.rint(moved[:, 0] / period)
+    np.testing.assert_allclose(moved, state.time * velocity, atol=1e-15)
+    assert not p.owed_displacement.any()
 
 
 def collided(position, velocity, density, restitution, walls=None, wall_from=None):
