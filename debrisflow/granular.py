@@ -14,6 +14,7 @@ from debrisflow.operators import (
     cofactors,
     number_density_at,
     shear_rate_at,
+    spread,
     velocity_difference,
 )
 
@@ -177,9 +178,9 @@ def fluctuation_temperature_at(i, fluid_count, velocity, fraction, stencil):
     xx, xy, yy = xx - sx * sx / count, xy - sx * sy / count, yy - sy * sy / count
     xz, yz, zz = xz - sx * sz / count, yz - sy * sz / count, zz - sz * sz / count
     if stencil.dimension < 3.0:
-        zz = stencil.spacing**2  # nothing varies along z
+        zz = 0.5 * (xx + yy)  # nothing varies along z
     a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
-    if determinant <= LEAST_SPREAD * (xx + yy) ** 2 * zz:
+    if spread(xx, yy, zz, determinant) <= LEAST_SPREAD:
         return 0.0
     ux, uy, uz = ux - su * sx / count, uy - su * sy / count, uz - su * sz / count
     vx, vy, vz = vx - sv * sx / count, vy - sv * sy / count, vz - sv * sz / count

@@ -22,9 +22,8 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 
-# Determinant of the moments of the neighbors, over the square of their trace, below which they
-# stand too nearly on a line for a gradient across it.
-LEAST_SPREAD = 1e-3
+# Below this the neighbors stand too nearly on a line or plane for a gradient across it.
+LEAST_SPREAD = 4e-3
 
 
 class Stencil(NamedTuple):
@@ -317,6 +316,22 @@ def cofactors(xx, xy, yy, xz, yz, zz):
 
 
 @kernel
+def spread(xx, yy, zz, determinant):
+    """Return the determinant of a matrix of moments over the cube of a third of its trace.
+
+    1 where the neighbors stand alike in all directions, 0 where they stand on a line.  In two
+    dimensions pass ``(xx + yy) / 2`` as zz, of the matrix too.
+
+    Examples
+    --------
+    >>> spread(2.0, 2.0, 2.0, 8.0), spread(2.0, 0.0, 1.0, 0.0)
+    (1.0, 0.0)
+    """
+    third = (xx + yy + zz) / 3.0
+    return determinant / third**3 if third > 0.0 else 0.0
+
+
+@kernel
 def shear_rate_at(i, velocity, walls, stencil):
     """Return ``sqrt(2 D : D)`` with ``D`` the symmetric part of the velocity gradient, 1/s.
 
@@ -339,9 +354,9 @@ def shear_rate_at(i, velocity, walls, stencil):
         vx, vy, vz = vx + f * dv * dx, vy + f * dv * dy, vz + f * dv * dz
         wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
     if stencil.dimension < 3.0:
-        zz = 1.0  # nothing varies along z
+        zz = 0.5 * (xx + yy)  # nothing varies along z
     a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
-    if determinant <= LEAST_SPREAD * (xx + yy) ** 2 * zz:
+    if spread(xx, yy, zz, determinant) <= LEAST_SPREAD:
         return 0.0
     ux, uy, uz = a * ux + b * uy + d * uz, b * ux + c * uy + e * uz, d * ux + e * uy + f * uz
     vx, vy, vz = a * vx + b * vy + d * vz, b * vx + c * vy + e * vz, d * vx + e * vy + f * vz

@@ -119,17 +119,17 @@ def drag_coefficient(c, speed, drag):
 
 
 @kernel
-def mobility(c, packing_limit):
-    """Return by what the grains' contacts reduce the slip: 1 where they are free, 1e-4 in packing.
+def freedom(value, limit):
+    """Return 1, falling linearly from 0.9 of the limit on to 1e-4 at the limit.
 
-    Falls linearly from 0.9 of the packing limit on.
+    Of the concentration and the packing limit: what the contacts of the grains leave of their slip.
 
     Examples
     --------
-    >>> [round(mobility(c, 0.5), 4) for c in (0.3, 0.45, 0.475, 0.5)]
+    >>> [round(freedom(c, 0.5), 4) for c in (0.3, 0.45, 0.475, 0.5)]
     [1.0, 1.0, 0.5, 0.0001]
     """
-    return min(max(10.0 * (1.0 - c / packing_limit), 1e-4), 1.0)
+    return min(max(10.0 * (1.0 - value / limit), 1e-4), 1.0)
 
 
 @kernel

@@ -196,7 +196,7 @@ class SemiImplicit:
             with self._clock("slip"):
                 self._slip.act(p, self._thrown, dt, velocity)
                 velocity[p.fluid] -= self._slip.velocity
-        with self._clock("collisions"):
+        with self._clock("predictor"):
             velocity = self._collide(p, velocity)
 
         iterations = self._solve_pressure(p, velocity, dt, solved)
@@ -217,7 +217,7 @@ class SemiImplicit:
             p.position[p.fluid] += dt * velocity[p.fluid]
             if self._slip is not None:
                 p.velocity[p.fluid] += self._slip.velocity
-                self._slip.exchange_places(p, dt)
+                self._slip.move(p, dt)
             boundary.advance_supply(state, self.case, dt)
             boundary.wrap(p, self.domain)
             boundary.remove_leaving(state, self.case, self.domain)
@@ -266,10 +266,11 @@ class SemiImplicit:
             self._observe_collisions(p)
 
     def _observe_collisions(self, p: Particles) -> None:
+        """Find the stress of colliding grains; slip, which is no agitation, does not count."""
         n, fraction = p.fluid_count, p.sediment_fraction
         self._find_temperatures(
             n,
-            p.velocity,
+            self._mixture_velocity,
             fraction,
             self._walls,
             self._grains,
@@ -287,7 +288,7 @@ class SemiImplicit:
         )
         self._thrown = np.empty((n, 3))
         granular.throw(
-            p.velocity,
+            self._mixture_velocity,
             p.density,
             fraction,
             *self._collisions,

@@ -6,10 +6,12 @@ it like a cage, and a column of 10 % of sediment settles at a tenth of the right
 drag.  So the arrangement moves with the mixture, ``v_i = u_i - s_i``, whose pressure equation this
 is, and what a particle is still owed of its own path it gets by exchange of places with a particle
 of the other phase.  Nothing is pushed aside: volume, masses and momentum are conserved to the
-particle, and the place of a particle is that of its own path but for one or two spacings.
+particle, and the place of a particle is that of its own path but for at most two spacings, unless
+a packing holds it: what it is owed beyond is dropped, 0.1 % of all slip in a settling column.
 
 The slip ``s_i = (f_i - C_i) u_r`` follows from the velocity u_r of the sediment relative to the
-water, which the particles carry (f is 1 in sediment, 0 in water): its volume mean is zero.
+water, which the particles carry (f is 1 in sediment, 0 in water): its volume mean is zero, but for
+the edges of the fluid.
 
     du_r/dt = (1/rho_l - 1/rho_s) <grad p> + <-div P_s / rho_s> - K [(1 - C)/rho_s + C/rho_l] u_r
 
@@ -17,7 +19,10 @@ with means over the influence radius, K = beta / (C (1 - C)) of the drag law.  A
 balance of drag and buoyant weight, which with Wen & Yu's drag is Richardson & Zaki's settling.
 
 What it cannot do: grains that touch, from 0.9 of the packing limit on, hardly slip, so that the
-water of a packed bed stays in it; neither drainage nor excess pore pressure is resolved.
+water of a packed bed stays in it; neither drainage nor excess pore pressure is resolved.  The
+relative velocity starts at zero and answers to pressure and collisions of grains alone: phases that
+differ in velocity for another reason are brought together by the arrangement, faster than by drag.
+The buoyancy is that of the sum-form gradient in every scheme, for the study's is zero on a lattice.
 """
 
 from __future__ import annotations
@@ -31,7 +36,7 @@ from numpy.typing import NDArray
 from debrisflow._jit import kernel, loop
 from debrisflow.operators import Stencil, gradient_at
 from debrisflow.particles import Particles
-from debrisflow.rheology import DragLaw, drag_coefficient, mobility
+from debrisflow.rheology import DragLaw, drag_coefficient, freedom
 
 Floats = NDArray[np.float64]
 SELF_WEIGHT = 2.0  # of a particle in its own means, as in the concentration
@@ -65,7 +70,8 @@ class Materials(NamedTuple):
 def surroundings_at(i, fluid_count, fraction, stencil):
     """Return share and weight of :class:`Surroundings`, and how much of C_i is i's own.
 
-    The smoothed concentration counts the particle itself ``(4 + sum of w^2) / (2 + sum of w)^2``.
+    The smoothed concentration counts the particle itself ``(4 + sum of w^2) / (2 + sum of w)^2``,
+    where all in reach have the same sum of weights.
     """
     share, total, squares = 0.0, 0.0, 0.0
     for k in range(stencil.unknown_count[i]):
@@ -114,7 +120,7 @@ def mean_at(i, values, chosen, stencil):
 
 
 @kernel
-def freedom_at(i, part, owed, spacing, u_r):
+def room_at(i, part, owed, spacing, u_r):
     """Return 1, or less the more a particle is owed of the way that it slips, down to 1e-4.
 
     A grain that lies on a packed bed finds no room to go; its slip has to end, smoothly, since a
@@ -124,7 +130,7 @@ def freedom_at(i, part, owed, spacing, u_r):
     if along * part[i] <= 0.0:
         return 1.0
     length = np.sqrt(owed[i, 0] ** 2 + owed[i, 1] ** 2 + owed[i, 2] ** 2)
-    return mobility(length, MOST_OWED * spacing)
+    return freedom(length, MOST_OWED * spacing)
 
 
 @kernel
@@ -160,14 +166,14 @@ def drive_at(i, gradient, everywhere, thrown, fraction, rock, water, stencil):
 def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, stencil, u_r, force):
     """Advance the relative velocity of all fluid particles and write ``K u_r``, N/m3.
 
-    Where the grains touch or are held, K is divided by their mobility.
+    Where the grains touch or are held, K is divided by what freedom they have.
     """
     everywhere = np.ones(c.size)
     for i in prange(c.size):
         drive = drive_at(i, gradient, everywhere, thrown, fraction, rock, water, stencil)
         speed = np.sqrt(u_r[i, 0] ** 2 + u_r[i, 1] ** 2 + u_r[i, 2] ** 2)
         resistance = drag_coefficient(c[i], speed, drag) / (
-            mobility(c[i], drag.packing_limit) * freedom_at(i, part, owed, stencil.spacing, u_r)
+            freedom(c[i], drag.packing_limit) * room_at(i, part, owed, stencil.spacing, u_r)
         )
         advance_at(i, dt, drive, resistance, c[i], rock, water, u_r)
         force[i, 0] = resistance * u_r[i, 0]
@@ -231,6 +237,8 @@ def concentration_ahead(i, j, dx, dy, dz, fraction, fluid_count, stencil):
 def pair_up(owed, fraction, c, packing_limit, stencil, partner):
     """Write who exchanges places with whom, -1 for who stays, and settle what they are owed.
 
+    ``fraction`` is brought up to the exchanges, so that the next ones know of them.
+
     Sediment exchanges places with the water particle that brings both nearest to their own paths,
     that is the greatest ``(owed_i - owed_j - r_ij) . r_ij > 0``, where it finds room; each particle
     at most once, and grains that touch others not at all, so that a bed rests.  One after the other
@@ -238,7 +246,7 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
     """
     partner[:] = -1
     for i in range(partner.size):
-        if fraction[i] != 1.0 or mobility(c[i], packing_limit) < 1.0:
+        if fraction[i] != 1.0 or partner[i] >= 0 or freedom(c[i], packing_limit) < 1.0:
             continue
         found, gain = -1, 0.0
         for k in range(stencil.unknown_count[i]):
@@ -264,6 +272,7 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
         if found >= 0:
             j = stencil.neighbors[i, found]
             partner[i], partner[j] = j, i
+            fraction[i], fraction[j] = 0.0, 1.0
             step = (stencil.dx[i, found], stencil.dy[i, found], stencil.dz[i, found])
             for axis in range(3):
                 owed[i, axis] -= step[axis]
@@ -300,16 +309,15 @@ class Slip:
             survey_surroundings(
                 particles.sediment_fraction, particles.concentration, stencil, *self._around
             )
-        self._follow(particles)
-
-    def _follow(self, particles: Particles) -> None:
-        fraction = particles.sediment_fraction[particles.fluid]
         is_pure = self._has_two_phases & ((fraction == 0.0) | (fraction == 1.0))
         self._part = np.where(is_pure, fraction - self._around.share, 0.0)
-        self.velocity = self._part[:, None] * particles.relative_velocity[particles.fluid]
+        self._relative = particles.relative_velocity[particles.fluid]
+        self.velocity = self._part[:, None] * self._relative
 
     def act(self, particles: Particles, thrown: Floats, dt: float, velocity: Floats) -> None:
         """Advance relative velocity and slip by a step, and add the drag to the velocities.
+
+        The particles stay as they are until :meth:`move`.
 
         Parameters
         ----------
@@ -322,6 +330,7 @@ class Slip:
             return
         gradient, force = np.empty((2, particles.fluid_count, 3))
         fraction = particles.sediment_fraction
+        self._relative = particles.relative_velocity[particles.fluid].copy()
         pressure_gradient(particles.pressure, self._stencil, gradient)
         advance(
             dt,
@@ -334,18 +343,19 @@ class Slip:
             self._drag,
             *self._materials,
             self._stencil,
-            particles.relative_velocity,
+            self._relative,
             force,
         )
         drag_phases(
             dt, force, particles.density, fraction, self._around.weight, self._stencil, velocity
         )
-        self._follow(particles)
+        self.velocity = self._part[:, None] * self._relative
 
-    def exchange_places(self, particles: Particles, dt: float) -> None:
+    def move(self, particles: Particles, dt: float) -> None:
         """Give the particles what the slip of a step owes them, by exchange of places."""
         if not self._has_two_phases:
             return
+        particles.relative_velocity[particles.fluid] = self._relative
         owed = particles.owed_displacement[particles.fluid]
         owed += dt * self.velocity
         length = np.linalg.norm(owed, axis=1)
@@ -354,11 +364,11 @@ class Slip:
         partner = np.empty(particles.fluid_count, dtype=np.int64)
         pair_up(
             owed,
-            particles.sediment_fraction,
+            particles.sediment_fraction[particles.fluid].copy(),
             self._around.concentration,
             self._drag.packing_limit,
             self._stencil,
             partner,
         )
-        sinking = np.flatnonzero(partner > np.arange(partner.size))
-        particles.exchange(sinking, partner[sinking])
+        one = np.flatnonzero(partner > np.arange(partner.size))
+        particles.exchange(one, partner[one])

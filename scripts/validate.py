@@ -95,13 +95,14 @@ def print_shear() -> None:
             f"film of grains, {rows} rows: greatest error "
             f"{np.abs(film.speed - film.exact).max():.2%} of the exact surface speed"
         )
-    _, temperature, rate = granular_shear.discrete_elements()
-    factor = np.sum(temperature * rate**2) / np.sum(rate**4)
-    local = np.sqrt(temperature / rate**2 * 15.0 * (1.0 - granular_shear.RESTITUTION))
-    error = np.sqrt(np.mean((factor * rate**2 - temperature) ** 2)) / temperature.mean()
+    y, temperature, rate = granular_shear.discrete_elements()
+    size = granular_shear.fitted_grain_over_gap()
+    found = granular_shear.closure(rate, size)
+    error = np.sqrt(np.mean((found - temperature) ** 2)) / temperature.mean()
     click.echo(
-        f"discrete elements: T / rate^2 as of d / H = {local.min():.3f} to {local.max():.3f}; one "
-        f"d / H = {np.sqrt(factor * 15.0 * 0.3):.3f} leaves {error:.1%} of the mean T"
+        f"discrete elements, d / H = {size:.3f} fitted: T of the closure over theirs at y / H = "
+        f"{y.round(2).tolist()}: {(found / temperature).round(2).tolist()}; rms {error:.1%} of the "
+        "mean T"
     )
 
 

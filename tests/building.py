@@ -128,6 +128,23 @@ def tank_case(columns, rows, material, tank=None, spacing=0.01, **tables):
     )
 
 
+def settling_case(**tables):
+    """Return a case whose grains settle, so that some exchange places within 40 steps."""
+    block = {"type": "block", "x": [0.0, 0.24], "y": [0.0, 0.2], "material": "mix"}
+    tables = {"time": {"end": 1.0}, "output": {"interval": 1.0}} | tables
+    return complete(
+        Case(
+            title="settling",
+            particles={"spacing": 0.01},
+            geometry={"type": "tank", "width": 0.24, "height": 0.3, "periodic": True},
+            fill=[block | {"sediment_share": 0.25}],
+            collision_stress={"enabled": True},
+            drag={"law": "wen-yu"},
+            **tables,
+        )
+    )
+
+
 def bed_case(spacing=0.02, **tables):
     """Return a case in which everything acts: a supply of water and sediment runs over a bed."""
     tables = {"time": {"end": 1.0}, "output": {"interval": 1.0}} | tables

@@ -149,13 +149,13 @@ def test_the_drag_of_gidaspow_jumps_where_its_law_changes():
     assert settling_speed(above, GIDASPOW) == pytest.approx(0.11, abs=0.01)
 
 
-def test_grains_lose_their_mobility_towards_the_packing():
+def test_grains_lose_their_freedom_towards_the_packing():
     c = np.linspace(0.0, 0.7, 141)
-    found = np.array([rheology.mobility(value, 0.55) for value in c])
+    found = np.array([rheology.freedom(value, 0.55) for value in c])
     assert np.all(found[c < 0.494] == 1.0)
     assert np.all(np.diff(found) <= 0.0)
     assert np.all(found[c > 0.5501] == 1e-4)
-    assert rheology.mobility(0.95 * 0.55, 0.55) == pytest.approx(0.5)
+    assert rheology.freedom(0.95 * 0.55, 0.55) == pytest.approx(0.5)
 
 
 def test_what_one_particle_loses_the_other_gains():

@@ -12,7 +12,12 @@ from itertools import combinations, pairwise
 from math import hypot, isclose, isfinite, sqrt
 from typing import Any
 
-from debrisflow.case.defaults import FEWEST_RELAXATION_STEPS, bed_end, viscous_limits
+from debrisflow.case.defaults import (
+    FEWEST_RELAXATION_STEPS,
+    bed_end,
+    phases,
+    viscous_limits,
+)
 from debrisflow.case.estimate import available_memory, estimate, size
 from debrisflow.case.problems import Problem
 from debrisflow.case.regions import covered, open_space
@@ -21,6 +26,7 @@ from debrisflow.case.tables import (
     Block,
     Channel,
     CollisionStress,
+    Drag,
     Gravity,
     Inflow,
     Mixture,
@@ -327,6 +333,25 @@ def concentrations_below_packing(
             yield Problem(key, message, value)
 
 
+def collisions_within_clip(collision_stress: CollisionStress) -> Problems:
+    """Check that a given concentration of the colliding grains is not clipped."""
+    given, clip = collision_stress.concentration, collision_stress.largest_concentration
+    if given is not None and given > clip:
+        message = f"would be clipped at collision_stress.largest_concentration = {clip:g}"
+        yield Problem("collision_stress.concentration", message, given)
+
+
+def slip_of_pure_phases(drag: Drag, fill: Fill, inflow: Inflow | None) -> Problems:
+    """Check that slip, which is between sediment and water, meets no mixture particles."""
+    materials = phases(fill, inflow)
+    if drag.law != "none" and "mixture" in materials and len(materials) > 1:
+        message = (
+            "acts between sediment and water particles, and not on those of a mixture beside them; "
+            "fill with 'mix' instead of 'mixture'"
+        )
+        yield Problem("drag.law", message, drag.law)
+
+
 def _was_set(table: Table, name: str) -> bool:
     """Tell whether a field differs from its default, however the file came to state it."""
     return bool(getattr(table, name) != type(table).model_fields[name].default)
@@ -405,6 +430,8 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     one_way_of_supply,
     hydrograph_in_order,
     concentrations_below_packing,
+    collisions_within_clip,
+    slip_of_pure_phases,
     step_within_limits,
     density_relaxation_slow,
     memory_suffices,

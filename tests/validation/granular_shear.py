@@ -144,6 +144,23 @@ def discrete_elements() -> tuple[Floats, Floats, Floats]:
     return y[interior], t[interior], rate[interior]
 
 
+def closure(rate: Floats, grain_over_gap: float) -> Floats:
+    """Return T / U^2 of the balance of production and dissipation at a shear rate H / U."""
+    grains = granular.Grains(1.0, grain_over_gap, RESTITUTION, PACKING, CONCENTRATION)
+    return np.array([granular.algebraic_temperature(value, grains) for value in rate])
+
+
+def fitted_grain_over_gap() -> float:
+    """Return the d / H with which the closure is nearest to the discrete elements.
+
+    The data do not state it, so that only ``T ~ shear rate^2`` and the independence of phi, which
+    runs from 0.47 to 0.56 there, are tested.
+    """
+    _, temperature, rate = discrete_elements()
+    unit = closure(rate, 1.0)
+    return float(np.sqrt(np.sum(temperature * unit) / np.sum(unit**2)))
+
+
 @dataclass
 class Film:
     """Time means of a steady film by rows: height over depth, speed and T over the exact ones."""

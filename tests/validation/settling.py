@@ -70,7 +70,7 @@ def run(c: float, seed: int = 1, law: str = "wen-yu", spacing: float = 0.01) -> 
     height, profile = concentration_profile(state, spacing)
     in_bed = (height > 2 * spacing) & (height < 0.7 * heights[-1])
     return Settled(
-        fall_speed(np.array(times), np.array(heights), c),
+        fall_speed(np.array(times), np.array(heights), c / case.sediment.packing_limit),
         float(profile[in_bed].mean()),
         heights[-1],
         float(moved.mean()),
@@ -105,9 +105,9 @@ def interface(state: State, c: float, spacing: float) -> float:
     return float(height[last] + part * (height[last + 1] - height[last]))
 
 
-def fall_speed(times: Floats, heights: Floats, c: float) -> float:
+def fall_speed(times: Floats, heights: Floats, packed_share: float) -> float:
     """Return the speed of the interface from 10 to 70 % of its way to the bed of Kynch."""
-    way = HEIGHT * (1.0 - c / 0.55)
+    way = HEIGHT * (1.0 - packed_share)
     start = times[heights < HEIGHT - 0.1 * way][0]
     end = times[heights < HEIGHT - 0.7 * way][0]
     falling = (times >= start) & (times <= end)

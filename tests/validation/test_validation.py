@@ -72,7 +72,7 @@ def test_the_temperature_of_the_neighborhood_shrinks_with_the_spacing_squared():
 
 
 def test_the_fluctuation_temperature_sees_no_shear():
-    assert granular_shear.plane_shear(temperature="fluctuation").temperature_ratio < 0.01
+    assert 0.0 < granular_shear.plane_shear(temperature="fluctuation").temperature_ratio < 0.01
 
 
 def test_a_film_of_colliding_grains_has_the_dilatant_profile():
@@ -83,12 +83,12 @@ def test_a_film_of_colliding_grains_has_the_dilatant_profile():
 
 
 def test_the_balance_of_temperature_holds_in_discrete_elements():
-    # T / shear rate^2 is (d / H)^2 / (15 (1 - e)), one number; d / H is not in the data
     _, temperature, rate = granular_shear.discrete_elements()
-    factor = np.sum(temperature * rate**2) / np.sum(rate**4)
-    distance = np.sqrt(np.mean((factor * rate**2 - temperature) ** 2)) / temperature.mean()
+    found = granular_shear.closure(rate, granular_shear.fitted_grain_over_gap())
     assert temperature.max() > 2.5 * temperature.min()
-    assert distance < 0.15
+    # DEM scatters by 5 % from point to point; the balance leaves conduction out
+    np.testing.assert_allclose(found, temperature, rtol=0.30)
+    assert np.sqrt(np.mean((found - temperature) ** 2)) < 0.15 * temperature.mean()
 
 
 @pytest.mark.parametrize("c", [0.1, 0.2, 0.3])
@@ -98,9 +98,31 @@ def test_grains_settle_as_richardson_and_zaki_and_come_to_rest(c):
     speed = np.mean([column.speed for column in columns])
     assert speed == pytest.approx(settling.richardson_zaki(c), rel=0.20)
     for column in columns:
+        assert column.speed == pytest.approx(settling.richardson_zaki(c), rel=0.25)
         assert column.kept
         assert column.mean_displacement < 0.1
         assert 0.5 < column.bed < 0.65  # the packing limit is 0.55
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_collisions_hold_the_sediment_back_at_half_the_spacing_too(seed):
+    # all four mixes, and 2 s: scripts/validate.py collapse
+    stressed, free = (
+        collapse.run(with_stress, seed, ("particles.spacing=0.005",), collapse.LAG_TIME)
+        for with_stress in (True, False)
+    )
+    assert stressed.sediment < free.sediment
+    assert max(stressed.energy, free.energy) < 1.01
+
+
+def test_a_collapsing_column_whose_grains_slip_packs_under_clear_water():
+    stressed, free = (
+        collapse.run(with_stress, 1, ("drag.law=wen-yu",)) for with_stress in (True, False)
+    )
+    assert stressed.sediment < free.sediment
+    for found in (stressed, free):
+        assert found.energy < 1.01
+        assert found.through_wall == 0
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
