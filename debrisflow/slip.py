@@ -41,6 +41,7 @@ from debrisflow.rheology import DragLaw, drag_coefficient, freedom
 Floats = NDArray[np.float64]
 SELF_WEIGHT = 2.0  # of a particle in its own means, as in the concentration
 PLACES_WITHIN = 1.6  # spacings between particles that exchange places
+ROOM_OF_HELD = 0.2  # share of the packing limit by which room has to open for what was held
 MOST_OWED = 2.0  # spacings; what is owed this much is held by its neighbors
 
 
@@ -248,6 +249,9 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
     for i in range(partner.size):
         if fraction[i] != 1.0 or partner[i] >= 0 or freedom(c[i], packing_limit) < 1.0:
             continue
+        length = np.sqrt(owed[i, 0] ** 2 + owed[i, 1] ** 2 + owed[i, 2] ** 2)
+        held = 1.0 - freedom(length, MOST_OWED * stencil.spacing)
+        limit = (1.0 - ROOM_OF_HELD * held) * packing_limit
         found, gain = -1, 0.0
         for k in range(stencil.unknown_count[i]):
             j = stencil.neighbors[i, k]
@@ -267,7 +271,7 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
             if nearer <= gain:
                 continue
             there = concentration_ahead(i, j, dx, dy, dz, fraction, partner.size, stencil)
-            if there < packing_limit:
+            if there < limit:
                 found, gain = k, nearer
         if found >= 0:
             j = stencil.neighbors[i, found]

@@ -101,7 +101,8 @@ def test_grains_settle_as_richardson_and_zaki_and_come_to_rest(c):
         assert column.speed == pytest.approx(settling.richardson_zaki(c), rel=0.25)
         assert column.kept
         assert column.mean_displacement < 0.1
-        assert 0.5 < column.bed < 0.65  # the packing limit is 0.55
+        assert column.greatest_displacement < 1.0
+        assert column.bed == pytest.approx(0.55, rel=0.1)  # the packing limit
 
 
 @pytest.mark.parametrize("seed", [1, 2])
