@@ -97,8 +97,7 @@ def algebraic_temperature(shear_rate, grains):
 def algebraic_temperatures(fluid_count, velocity, fraction, walls, grains, stencil, temperature):
     """Write :func:`algebraic_temperature` of the grains at the shear rate around them.
 
-    Independent of the spacing but for how well the shear is resolved.  In A2 at d0 = 10 mm it
-    shortens no step.
+    Independent of the spacing but for how well the shear is resolved.
     """
     for i in prange(fluid_count):
         temperature[i] = 0.0
