@@ -2,12 +2,12 @@
 
 Particles of both phases fill one lattice-like arrangement.  A particle of rock that sank through
 it by its own velocity would have to push its neighbors aside: the pressure between particles holds
-it like a cage, and a column of 10 % of sediment settles at a tenth of the right speed whatever the
-drag.  So the arrangement moves with the mixture, ``v_i = u_i - s_i``, whose pressure equation this
-is, and what a particle is still owed of its own path it gets by exchange of places with a particle
-of the other phase.  Nothing is pushed aside: volume, masses and momentum are conserved to the
-particle, and the place of a particle is that of its own path but for at most two spacings, unless
-a packing holds it: what it is owed beyond is dropped, 0.1 % of all slip in a settling column.
+it like a cage, and a column of 10 % of sediment settles at a sixth of the right speed and less and
+less, whatever the drag.  So the arrangement moves with the mixture, ``v_i = u_i - s_i``, whose
+pressure equation this is, and what a particle is still owed of its own path it gets by exchange of
+places with a particle of the other phase.  Nothing is pushed aside: volume, masses and momentum are
+conserved to the particle, and the place of a particle is that of its own path but for at most two
+spacings, unless a packing holds it: what it is owed beyond is dropped.
 
 The slip ``s_i = (f_i - C_i) u_r`` follows from the velocity u_r of the sediment relative to the
 water, which the particles carry (f is 1 in sediment, 0 in water): its volume mean is zero, but for
@@ -16,7 +16,8 @@ the edges of the fluid.
     du_r/dt = (1/rho_l - 1/rho_s) <grad p> + <-div P_s / rho_s> - K [(1 - C)/rho_s + C/rho_l] u_r
 
 with means over the influence radius, K = beta / (C (1 - C)) of the drag law.  At rest this is the
-balance of drag and buoyant weight, which with Wen & Yu's drag is Richardson & Zaki's settling.
+balance of drag and buoyant weight, which with Wen & Yu's drag is nearly the settling of Richardson
+& Zaki.
 
 What it cannot do: grains that touch, from 0.9 of the packing limit on, hardly slip, so that the
 water of a packed bed stays in it; neither drainage nor excess pore pressure is resolved.  The

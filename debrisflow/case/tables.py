@@ -223,8 +223,8 @@ class Drag(Table):
 
     law: Literal["none", "wen-yu", "gidaspow"] = quantity(
         NONE,
-        "wen-yu: settles as Richardson & Zaki found; gidaspow: Ergun's law above a concentration "
-        "of 0.2; none: no slip, particles of both phases push each other aside",
+        "wen-yu: settles nearly as Richardson & Zaki found; gidaspow: Ergun's law above a "
+        "concentration of 0.2; none: no slip, particles of both phases push each other aside",
         "none",
     )
 
