@@ -7,6 +7,7 @@ fluid.
 
 from __future__ import annotations
 
+from math import cos, radians, sin, tan
 from typing import NamedTuple
 
 import numpy as np
@@ -113,7 +114,29 @@ def floor_level(case: tables.Case, x: Floats) -> Floats:
         level[(x >= shape.bed_start) & (x < shape.bed_end)] = -shape.bed_thickness
         if not shape.periodic:
             level[x >= shape.bed_end] = shape.weir_height
+        if shape.runout_start is not None:
+            level += np.maximum(x - shape.runout_start, 0.0) * tan(runout_bend(case))
     return level
+
+
+def runout_bend(case: tables.Case) -> float:
+    """Return the angle by which the floor of a channel with a run-out bends up, rad."""
+    assert isinstance(case.geometry, tables.Channel)
+    return case.gravity.fall - radians(case.geometry.runout_slope)
+
+
+def floor_bend(case: tables.Case, x: Floats) -> Floats:
+    """Return the angle by which the floor at x rises above the x axis, rad."""
+    shape, x = case.geometry, np.asarray(x, dtype=float)
+    if isinstance(shape, tables.Tank) or shape.runout_start is None:
+        return np.zeros_like(x)
+    return np.where(x > shape.runout_start, runout_bend(case), 0.0)
+
+
+def height_over_floor(case: tables.Case, x: Floats, y: Floats, at: Floats) -> Floats:
+    """Return the heights of points over the floor that is under ``at``, along its normal, m."""
+    bend = floor_bend(case, at)
+    return (y - floor_level(case, at) - np.tan(bend) * (x - at)) * np.cos(bend)
 
 
 def walls(case: tables.Case) -> WallPoints:
@@ -125,7 +148,42 @@ def walls(case: tables.Case) -> WallPoints:
     i, j = np.nonzero(layer > 0)
     position = np.zeros((i.size, 3))
     position[:, 0], position[:, 1] = (x[i] + 0.5) * d0, (y[j] + 0.5) * d0
-    return WallPoints(position, layer[i, j], name[i, j], normal[i, j], depth[i, j] * d0)
+    points = WallPoints(position, layer[i, j], name[i, j], normal[i, j], depth[i, j] * d0)
+    if isinstance(shape, tables.Channel) and shape.runout_start is not None:
+        return _with_runout(points, shape, runout_bend(case), d0, layers)
+    return points
+
+
+def _with_runout(
+    points: WallPoints, shape: tables.Channel, bend: float, d0: float, layers: int
+) -> WallPoints:
+    """Return the floor with the part beyond the bend as rows of points parallel to its surface.
+
+    The rows of both parts meet on the plane that halves the angle between them.
+    """
+    assert shape.runout_start is not None
+    miter = tan(0.5 * bend)
+    kept = points.position[:, 0] < shape.runout_start - points.position[:, 1] * miter
+    parts = [WallPoints._make(field[kept] for field in points)]
+    end = shape.length + 2 * layers * d0
+    for layer in range(1, layers + 1):
+        depth = (layer - 0.5) * d0
+        along = np.arange(
+            0.5 * d0 - depth * miter, (end - shape.runout_start - depth * sin(bend)) / cos(bend), d0
+        )
+        position = np.zeros((along.size, 3))
+        position[:, 0] = shape.runout_start + along * cos(bend) + depth * sin(bend)
+        position[:, 1] = along * sin(bend) - depth * cos(bend)
+        parts.append(
+            WallPoints(
+                position,
+                np.full(along.size, layer),
+                np.full(along.size, FLOOR),
+                np.tile([-sin(bend), cos(bend), 0.0], (along.size, 1)),
+                np.full(along.size, depth),
+            )
+        )
+    return WallPoints._make(np.concatenate(fields) for fields in zip(*parts, strict=True))
 
 
 def fill(block: tables.Block | tables.Bed, case: tables.Case) -> Floats:

@@ -230,6 +230,41 @@ def concentration(fluid_count, fraction, stencil, c):
         c[i] = concentration_at(i, fluid_count, fraction, stencil)
 
 
+@kernel
+def level_concentration_at(i, fluid_count, fraction, down, stencil):
+    """Return the share of sediment around particle i at its level, i itself counted twice.
+
+    Weights are ``w`` times the square of the sine between the way to the neighbor and ``down``, the
+    unit vector of gravity, which may be zero.
+    """
+    share, total = 2.0 * fraction[i], 2.0
+    for k in range(stencil.neighbor_count[i]):
+        j = stencil.neighbors[i, k]
+        if j < fluid_count:
+            inverse = stencil.inverse[i, k]
+            below = inverse * (
+                down[0] * stencil.dx[i, k] + down[1] * stencil.dy[i, k] + down[2] * stencil.dz[i, k]
+            )
+            w = (stencil.effective_radius * inverse - 1.0) * (1.0 - below * below)
+            share += w * fraction[j]
+            total += w
+    return share / total
+
+
+@loop
+def level_concentration(fluid_count, fraction, down, stencil, c):
+    """Write the share of sediment at the level of every fluid particle.
+
+    It decides where grains touch and what they weigh.  The concentration C, a mean over the whole
+    influence radius, goes over from a bed to the water on it within three rows, and at a free
+    surface knows of one side only: a row of water on a bed has more than half of the bed's
+    concentration, would have its strength and stick to it.  At its own level the change takes one
+    row to either side of the surface, under deep water, a film or none.
+    """
+    for i in prange(fluid_count):
+        c[i] = level_concentration_at(i, fluid_count, fraction, down, stencil)
+
+
 @loop
 def collision_state(fraction, c, temperature, grains, stencil, pressure, viscosity):
     """Write pressure and viscosity of the colliding grains of the particles that hold sediment.
@@ -317,8 +352,40 @@ def largest_collision_step(
 
 
 @kernel
+def covered_depth_at(i, fluid_count, gravity, stencil):
+    """Return what a free-surface particle has to carry of the rows above its center, m.
+
+    Half of its own row, and what its row lies nearer than d0 to the row below: the pressure of the
+    fluid lets the uppermost row sink by about a quarter of a spacing, and that much of the weight
+    would be missing in every row below.
+    """
+    d0 = stencil.spacing
+    g = np.sqrt(gravity[0] ** 2 + gravity[1] ** 2 + gravity[2] ** 2)
+    nearest = d0
+    for k in range(stencil.neighbor_count[i]):
+        if stencil.neighbors[i, k] >= fluid_count or g == 0.0:
+            continue
+        below = (
+            gravity[0] * stencil.dx[i, k]
+            + gravity[1] * stencil.dy[i, k]
+            + gravity[2] * stencil.dz[i, k]
+        ) / g
+        if below * stencil.inverse[i, k] > 0.7:
+            nearest = min(nearest, below)
+    return 1.5 * d0 - nearest
+
+
+@kernel
 def grain_pressure_row_at(
-    i, fluid_count, c, on_free_surface, submerged_density, gravity, stencil, system
+    i,
+    fluid_count,
+    c,
+    touching,
+    on_free_surface,
+    submerged_density,
+    gravity,
+    stencil,
+    system,
 ):
     """Write row i of the static balance of the buoyant grains.
 
@@ -327,8 +394,9 @@ def grain_pressure_row_at(
 
     Every linear pressure solves it exactly on any arrangement of particles; neither the time step
     nor the velocity enters, so the result carries no noise of the flow, and water above the bed
-    adds nothing.  p = 0 where C < 0.08; on the free surface of a bed p is the weight of half a
-    row.  Walls are natural boundaries: pairs of two wall particles and dummies are left out.
+    adds nothing.  C is that at the particle's level; p = 0 where it is less than ``touching``; on
+    the free surface of a bed p is the weight of half a row and of what that row has sunk.  Walls
+    are natural boundaries: pairs of two wall particles and dummies are left out.
     It takes the pores as drained: no excess pore pressure, no dilatancy.
     """
     is_fluid = i < fluid_count
@@ -336,10 +404,10 @@ def grain_pressure_row_at(
     system.entries[i] = 0
     system.diagonal[i] = 1.0
     system.right[i] = 0.0
-    if is_fluid and c[i] < 0.08:
+    if is_fluid and c[i] < touching:
         return
     if is_fluid and on_free_surface[i]:
-        system.right[i] = 0.5 * c[i] * weight * stencil.spacing
+        system.right[i] = c[i] * weight * covered_depth_at(i, fluid_count, gravity, stencil)
         return
     diagonal, right = 0.0, 0.0
     for k in range(stencil.unknown_count[i]):
@@ -369,7 +437,7 @@ def grain_pressure_row_at(
 
 @loop
 def assemble_grain_pressure(
-    fluid_count, c, on_free_surface, submerged_density, gravity, stencil, system
+    fluid_count, c, touching, on_free_surface, submerged_density, gravity, stencil, system
 ):
     """Write the balance of the buoyant grains for every fluid, inflow and wall particle.
 
@@ -377,5 +445,13 @@ def assemble_grain_pressure(
     """
     for i in prange(system.entries.size):
         grain_pressure_row_at(
-            i, fluid_count, c, on_free_surface, submerged_density, gravity, stencil, system
+            i,
+            fluid_count,
+            c,
+            touching,
+            on_free_surface,
+            submerged_density,
+            gravity,
+            stencil,
+            system,
         )

@@ -185,6 +185,9 @@ def remove_mean(system):
 class Solver:
     """Solves systems of one shape after another, from the last solution.
 
+    A large system is preconditioned by multigrid, unless many rows are given: so it is where the
+    fluid is thin and its free surface near everywhere, and conjugate gradients are fast alone.
+
     Parameters
     ----------
     tolerance : float
@@ -194,6 +197,7 @@ class Solver:
     """
 
     MULTIGRID_FROM = 6000
+    MULTIGRID_BELOW = 0.05  # share of given rows
     MOST_ITERATIONS = 1000
 
     def __init__(self, tolerance: float, symmetric: bool = True) -> None:
@@ -208,7 +212,8 @@ class Solver:
     def solve(self, system: System, x: Floats) -> int:
         """Write the solution into ``x``, which holds the start; return iterations, or -1."""
         rows = system.entries.size
-        use_multigrid = rows >= self.MULTIGRID_FROM
+        given = rows - np.count_nonzero(system.entries)
+        use_multigrid = rows >= self.MULTIGRID_FROM and given < self.MULTIGRID_BELOW * rows
         if not use_multigrid:
             self._hierarchy = NO_HIERARCHY
         elif self._hierarchy is None or self._hierarchy.size[0] != rows:

@@ -158,7 +158,7 @@ def deposit_profile(
     x = wrapped(case, position[:, 0])
     rows = np.flatnonzero(is_fluid(kind) & (x >= 0.0) & (x < length))
     number = np.searchsorted(edges, x[rows], side="right") - 1
-    height = position[rows, 1] - geometry.floor_level(case, centers)[number]
+    height = geometry.height_over_floor(case, x[rows], position[rows, 1], centers[number])
 
     slow = np.linalg.norm(velocity[rows], axis=1) < case.output.rest_speed
     packed = (kind[rows] == Kind.MIXTURE) | (concentration[rows] >= DEPOSIT_CONCENTRATION)

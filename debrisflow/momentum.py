@@ -30,8 +30,8 @@ class Matter(NamedTuple):
     density : (n,) float64 array, kg/m3
     viscosity : (n,) float64 array, Pa s
         Newtonian viscosity of the particle's phase.
-    concentration : (n,) float64 array
-        C around the particle.
+    concentration : (fluid particles,) float64 array
+        C at the level of the particle, which decides whether grains touch.
     shear_rate : (fluid particles,) float64 array, 1/s
     grain_pressure : (n,) float64 array, Pa
         Effective pressure between the grains of the bed.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
 from debrisflow.errors import OutputError
-from debrisflow.geometry import floor_level
+from debrisflow.geometry import floor_bend, floor_level, height_over_floor
 from debrisflow.lattice import reference
 from debrisflow.measures import (
     deposit_profile,
@@ -46,7 +46,7 @@ DEPOSIT_HEAD = (
     "the deposit in the last frame, time = {time!r} s",
     "x: m, along the bed; middle of a bin 2 spacings wide",
     "floor_level: m, y of the fixed floor (under a bed: the bottom of its recess)",
-    "deposit_height: m above it; flow_height: m above it; concentration: volume share of",
+    "deposit_height, flow_height: m above it along its normal; concentration: volume share of",
     "  sediment up to flow_height; all as in deposit.csv, where their definitions stand",
 )
 
@@ -179,11 +179,13 @@ def profiles(case: tables.Case, frame: Frame, stations: Iterable[float]) -> Iter
     d0, x = case.particles.spacing, wrapped(case, frame.position[:, 0])
     fluid = is_fluid(frame.kind)
     for station in stations:
-        floor = floor_level(case, np.array([station]))[0]
-        here = fluid & (x >= station - d0) & (x < station + d0) & (frame.position[:, 1] > floor)
-        layer = ((frame.position[here, 1] - floor) / d0).astype(int)
+        at = np.full(1, station)
+        height = height_over_floor(case, x, frame.position[:, 1], at)
+        along = np.array([*np.cos(floor_bend(case, at)), *np.sin(floor_bend(case, at))])
+        here = fluid & (x >= station - d0) & (x < station + d0) & (height > 0.0)
+        layer = (height[here] / d0).astype(int)
         count = np.bincount(layer)
-        velocity = np.bincount(layer, frame.velocity[here, 0])
+        velocity = np.bincount(layer, frame.velocity[here, :2] @ along)
         concentration = np.bincount(layer, frame.concentration[here])
         for j in np.flatnonzero(count):
             means = float(velocity[j] / count[j]), float(concentration[j] / count[j])

@@ -134,14 +134,15 @@ def freedom(value, limit):
 
 @kernel
 def wall_friction(height, roughness):
-    """Return ``[kappa / ln(30 y / k_s)]^2``, wall stress over ``rho u^2`` at a height y.
+    """Return ``[kappa / ln(1 + 30 y / k_s)]^2``, wall stress over ``rho u^2`` at a height y.
 
-    The law of the wall over a floor of equivalent sand roughness k_s; below y = k_s it keeps the
-    value of y = k_s.
+    The law of the wall over a floor of equivalent sand roughness k_s, with its origin at the height
+    k_s / 30 where the usual form, ``kappa / ln(30 y / k_s)``, has no speed left, so that it holds
+    for flows thinner than their floor is rough.
 
     Examples
     --------
     >>> round(wall_friction(0.01, 0.001), 5)
-    0.00517
+    0.00515
     """
-    return (KARMAN / np.log(30.0 * max(height, roughness) / roughness)) ** 2
+    return (KARMAN / np.log(1.0 + 30.0 * height / roughness)) ** 2

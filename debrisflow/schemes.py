@@ -27,7 +27,7 @@ DIMENSION = 2
 ERGUN_FROM = {"gidaspow": 0.2, "wen-yu": np.inf}
 GRAIN_TOLERANCE = 1.0e-3
 # tight, because what is left undone is given back to particles that had no part in it
-EXCHANGE_TOLERANCE = 1.0e-6
+EXCHANGE_TOLERANCE = 1.0e-5
 
 
 class SemiImplicit:
@@ -59,6 +59,7 @@ class SemiImplicit:
         self.lattice = reference(DIMENSION, case.particles.effective_radius, case.particles.spacing)
         self.domain = geometry.domain(case)
         self.gravity = gravity_vector(case)
+        self._down = self.gravity / (np.linalg.norm(self.gravity) or 1.0)
         self.seconds: dict[str, float] = {}
         self._near = Neighbors(
             self.lattice.effective_radius, self.lattice.spacing, self.domain.period
@@ -257,8 +258,14 @@ class SemiImplicit:
             self._slip.observe(p, self._stencil)
             self._mixture_velocity = p.velocity.copy()
             self._mixture_velocity[p.fluid] -= self._slip.velocity
-        self._shear_rate = np.zeros(n)
+        self._shear_rate, self._level_concentration = np.zeros((2, n))
         if self._has_strength and n > 0:
+            fractions = p.sediment_fraction
+            for _ in range(2):
+                at_level = np.zeros(n)
+                granular.level_concentration(n, fractions, self._down, self._stencil, at_level)
+                fractions = at_level
+            self._level_concentration = at_level
             operators.shear_rate(
                 self._mixture_velocity, self._walls, self._stencil, self._shear_rate
             )
@@ -306,7 +313,7 @@ class SemiImplicit:
             velocity,
             p.density,
             self._viscosity[p.kind],
-            p.concentration,
+            self._level_concentration,
             self._shear_rate,
             p.grain_pressure,
         )
@@ -382,7 +389,8 @@ class SemiImplicit:
         with self._clock("grain pressure"):
             granular.assemble_grain_pressure(
                 p.fluid_count,
-                p.concentration,
+                self._level_concentration,
+                0.5 * self._strength.ramp_start,
                 p.on_free_surface,
                 submerged,
                 self.gravity,
@@ -410,7 +418,7 @@ class SemiImplicit:
             exchanged, rest = velocity.copy(), np.empty(p.unknown_count)
             for axis in range(DIMENSION):
                 self._room.right[:] = right[:, axis]
-                start = np.ascontiguousarray(velocity[: p.unknown_count, axis])
+                start = np.ascontiguousarray(self._mixture_velocity[: p.unknown_count, axis])
                 if self._exchange_solver.solve(self._room, start) < 0:
                     raise NotConvergedError("the exchange of momentum")
                 residual(self._room, self._room.right, start, rest)

@@ -12,6 +12,7 @@ from tests.building import (
     NOWHERE,
     RADII,
     center_of_block,
+    lattice_block,
     no_walls,
     random_patch,
     started,
@@ -246,7 +247,7 @@ def balanced_bed(water_rows):
     stencil = stencil_of(p.position, scheme.lattice, p.unknown_count, wall_from=p.fluid_count)
     system = empty_system(stencil.neighbors)
     granular.assemble_grain_pressure(
-        p.fluid_count, c, is_surface, SUBMERGED, GRAVITY, stencil, system
+        p.fluid_count, c, 0.275, is_surface, SUBMERGED, GRAVITY, stencil, system
     )
     solution = np.zeros(p.unknown_count)
     assert Solver(1e-12).solve(system, solution) > 0
@@ -284,7 +285,7 @@ def test_a_linear_grain_pressure_is_exact_on_any_arrangement(rng, dimension, rad
     is_given = rng.random(400) < 0.1
     system = empty_system(stencil.neighbors)
     c = np.full(400, 0.4)
-    granular.assemble_grain_pressure(400, c, is_given, SUBMERGED, gravity, stencil, system)
+    granular.assemble_grain_pressure(400, c, 0.275, is_given, SUBMERGED, gravity, stencil, system)
     assert np.all(system.entries[is_given] == 0)
     system.right[is_given] = expected[is_given]
     found = np.zeros(400)
@@ -292,14 +293,40 @@ def test_a_linear_grain_pressure_is_exact_on_any_arrangement(rng, dimension, rad
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("water_rows", [0, 1, 6])
+def test_the_surface_of_a_bed_is_half_its_concentration_at_its_level(water_rows):
+    scheme, state = started(tank_case(20, 10 + water_rows, "water", spacing=SPACING))
+    p = state.particles
+    row = (p.position[p.fluid, 1] / SPACING).astype(int)
+    stencil = stencil_of(p.position, scheme.lattice, p.unknown_count, wall_from=p.fluid_count)
+    c = 0.55 * (row < 10)
+    for _ in range(2):
+        c, given = np.zeros(p.fluid_count), c
+        granular.level_concentration(p.fluid_count, given, np.array([0.0, -1.0, 0.0]), stencil, c)
+    if water_rows == 0:
+        np.testing.assert_allclose(c, 0.55, rtol=1e-12)
+    else:
+        assert c[row == 9].min() > 0.35
+        assert c[row == 10].max() < 0.2
+
+
+def test_a_sunken_surface_row_carries_what_it_has_sunk():
+    rows = lattice_block(2, (9, 4))
+    rows[rows[:, 1] > 3.0, 1] -= 0.25
+    stencil = stencil_of(rows, reference(2, 3.1, 1.0))
+    top = int(np.argmin(np.abs(rows[:, 0] - 4.5) - rows[:, 1]))
+    depth = granular.covered_depth_at(top, len(rows), np.array([0.0, -9.0, 0.0]), stencil)
+    assert depth == pytest.approx(0.75, rel=1e-12)
+
+
 def test_without_grains_or_gravity_there_is_no_grain_pressure(rng):
     position = random_patch(2, 200, rng, length=8.0)
     stencil = stencil_of(position, reference(2, 3.1, 1.0))
     system = empty_system(stencil.neighbors)
     is_surface = np.arange(200) < 20
-    for c, gravity in ((0.079, GRAVITY), (0.5, NOWHERE)):
+    for c, gravity in ((0.274, GRAVITY), (0.5, NOWHERE)):
         granular.assemble_grain_pressure(
-            200, np.full(200, c), is_surface, SUBMERGED, gravity, stencil, system
+            200, np.full(200, c), 0.275, is_surface, SUBMERGED, gravity, stencil, system
         )
         found = np.zeros(200)
         assert Solver(1e-10).solve(system, found) == 0

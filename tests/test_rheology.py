@@ -108,15 +108,15 @@ def test_drag_grows_with_speed_without_jumps():
 
 
 def test_wall_friction_is_the_law_of_the_wall():
-    # u+ = ln(30 y / k_s) / kappa
-    for height, roughness in ((0.01, 0.001), (0.5, 0.003)):
-        speed = np.log(30.0 * height / roughness) / 0.41
+    # u+ = ln(1 + 30 y / k_s) / kappa, for y >> k_s the usual ln(30 y / k_s) / kappa
+    for height, roughness in ((0.01, 0.001), (0.5, 0.003), (0.001, 0.01)):
+        speed = np.log(1.0 + 30.0 * height / roughness) / 0.41
         found = rheology.wall_friction(height, roughness)
         assert found == pytest.approx(1.0 / speed**2, rel=1e-13)
-    heights = np.linspace(0.0, 0.1, 50)
-    friction = [rheology.wall_friction(height, 0.003) for height in heights]
-    assert np.all(np.diff(friction) <= 0.0)
-    assert friction[0] == friction[1] == rheology.wall_friction(0.003, 0.003)
+    usual = (0.41 / np.log(30.0 * 0.5 / 0.003)) ** 2
+    assert rheology.wall_friction(0.5, 0.003) == pytest.approx(usual, rel=1e-4)
+    friction = [rheology.wall_friction(height, 0.003) for height in np.linspace(1e-6, 0.1, 50)]
+    assert np.all(np.diff(friction) < 0.0)
 
 
 def settling_speed(c, law):

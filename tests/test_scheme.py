@@ -275,19 +275,20 @@ def test_two_threads_compute_the_same_bits_as_one(case, exchanges):
 
 @compiled
 @pytest.mark.parametrize(
-    ("case", "multigrid_from"),
+    ("case", "multigrid_from", "multigrid_below"),
     [
-        (dam_break, 6000),
-        (bed_case, 6000),
-        (partial(bed_case, spacing=0.01), 500),
-        (settling_case, 6000),
+        (dam_break, 6000, 0.05),
+        (bed_case, 6000, 0.05),
+        (partial(bed_case, spacing=0.01), 500, 1.0),
+        (settling_case, 6000, 0.05),
     ],
     ids=["dam_break", "bed", "bed with multigrid in all systems", "settling"],
 )
 def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
-    case, multigrid_from, tmp_path, monkeypatch, exchanges
+    case, multigrid_from, multigrid_below, tmp_path, monkeypatch, exchanges
 ):
     monkeypatch.setattr(Solver, "MULTIGRID_FROM", multigrid_from)
+    monkeypatch.setattr(Solver, "MULTIGRID_BELOW", multigrid_below)
     ends, conclude = [], simulation._Run._conclude
 
     def conclude_and_keep(run, reason):

@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from inspect import signature
 from itertools import combinations, pairwise
-from math import hypot, isclose, isfinite, sqrt
+from math import degrees, hypot, isclose, isfinite, radians, sqrt, tan
 from typing import Any
 
 from debrisflow.case.defaults import (
     FEWEST_RELAXATION_STEPS,
+    WEIR_SPACINGS,
     bed_end,
     phases,
     viscous_limits,
@@ -49,6 +50,7 @@ Fill = tuple[Block | Bed, ...]
 TOLERANCE = 1e-6
 FEWEST_SPACINGS = 4
 FEWEST_BED_SPACINGS = 3
+LARGEST_BEND = 25.0  # degrees; more, and the floor could not be told from an edge
 
 
 def cross_check(tables: Mapping[str, Any]) -> list[Problem]:
@@ -110,7 +112,7 @@ def lengths_on_lattice(
         names = ["width", "height"]
     else:
         names = ["length", "bed_start", "bed_thickness", "weir_height"]
-        names += ["bed_end"] if geometry.bed_end is not None else []
+        names += [n for n in ("bed_end", "runout_start") if getattr(geometry, n) is not None]
     lengths |= {f"geometry.{name}": getattr(geometry, name) for name in names}
     if inflow is not None and inflow.depth >= particles.spacing:
         lengths["inflow.depth"] = inflow.depth
@@ -178,6 +180,44 @@ def weir_in_channel(geometry: Geometry) -> Problems:
     if isinstance(geometry, Channel) and geometry.weir_height >= geometry.height:
         message = f"must be less than the height of the channel, {geometry.height:g} m"
         yield Problem("geometry.weir_height", message, geometry.weir_height)
+
+
+def runout_behind_bed(
+    geometry: Geometry, gravity: Gravity, particles: Particles, fill: Fill
+) -> Problems:
+    """Check that a run-out bends up, behind bed and blocks and below the top of the channel."""
+    if isinstance(geometry, Tank):
+        return
+    start, slack = geometry.runout_start, TOLERANCE * particles.spacing
+    if start is None:
+        if _was_set(geometry, "runout_slope"):
+            message = "has no effect without geometry.runout_start"
+            yield Problem("geometry.runout_slope", message, geometry.runout_slope)
+        return
+    if geometry.periodic or geometry.weir_height > 0:
+        other = "geometry.periodic" if geometry.periodic else "geometry.weir_height"
+        yield Problem(other, "leave it out where the channel has a run-out")
+    bend = degrees(gravity.fall) - geometry.runout_slope
+    if not 0.0 < bend <= LARGEST_BEND:
+        message = f"the floor must bend up by at most {LARGEST_BEND} degrees, not by {bend:g}"
+        yield Problem("geometry.runout_slope", message, geometry.runout_slope)
+    behind = bed_end(geometry, particles) if geometry.bed_thickness > 0 else 0.0
+    apart = max(WEIR_SPACINGS, int(particles.effective_radius) + 1)
+    behind, before = behind + apart * particles.spacing, geometry.length - apart * particles.spacing
+    if not behind - slack <= start <= before + slack:
+        message = (
+            f"must be {apart} spacings behind the bed and before the end, "
+            f"between {behind:g} and {before:g} m"
+        )
+        yield Problem("geometry.runout_start", message, start)
+    rise = (geometry.length - start) * tan(radians(bend))
+    if rise >= geometry.height:
+        message = f"must be greater than the rise of the run-out along the x axis, {rise:.3g} m"
+        yield Problem("geometry.height", message, geometry.height)
+    for k, part in enumerate(fill):
+        if isinstance(part, Block) and part.x[1] > start + slack:
+            message = f"must end before the run-out, x = {start:g} m"
+            yield Problem(f"fill.{k}.x.1", message, part.x[1])
 
 
 def fills_inside(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
@@ -422,6 +462,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     space_resolved,
     periodic_space,
     weir_in_channel,
+    runout_behind_bed,
     fills_inside,
     fills_apart,
     shares_of_mixes,

@@ -59,13 +59,14 @@ def complete(case: Case) -> Case:
 
 
 def bed_end(geometry: Channel, particles: Particles) -> float:
-    """Return the x at which the recess ends, m: given, or where the weir begins."""
+    """Return the x at which the recess ends, m: given, or a weir before the run-out or the end."""
     if geometry.bed_end is not None:
         return geometry.bed_end
     if geometry.periodic:
         return geometry.length
+    end = geometry.length if geometry.runout_start is None else geometry.runout_start
     # Rounded to picometers so that 7 - 4 * 0.02 is written as 6.92.
-    return round(geometry.length - WEIR_SPACINGS * particles.spacing, 12)
+    return round(end - WEIR_SPACINGS * particles.spacing, 12)
 
 
 def viscous_limits(

@@ -6,7 +6,7 @@ fields is said in :mod:`debrisflow.case.checks`.
 
 from __future__ import annotations
 
-from math import cos, radians, sin
+from math import atan2, cos, radians, sin
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, Strict
@@ -50,6 +50,12 @@ class Gravity(Table):
     )
 
     @property
+    def fall(self) -> float:
+        """Angle by which the x axis falls below the horizontal, however it was given, rad."""
+        along, down = self.components
+        return atan2(along, -down)
+
+    @property
     def components(self) -> tuple[float, float]:
         """Acceleration along x and y, m/s2, however it was given."""
         if self.vector is not None:
@@ -71,7 +77,8 @@ class Tank(Table):
 class Channel(Table):
     """A channel along x with a fixed floor at y = 0, a recessed movable bed and an end weir.
 
-    The end at x = length is open: what passes it leaves the computation.
+    The end at x = length is open: what passes it leaves the computation.  The floor may bend up to
+    a milder slope, the run-out, where a flow deposits.
     """
 
     type: Literal["channel"]
@@ -85,6 +92,12 @@ class Channel(Table):
     weir_height: float = quantity(
         "m", "crest of the end weir above the fixed floor; 0 is level with the bed", 0.0, ge=0
     )
+    runout_start: float | None = quantity(
+        "m", "x at which the floor bends up to the slope of the run-out; no bend if left out", None
+    )
+    runout_slope: float = quantity(
+        "degree", "angle by which the floor of the run-out falls below the horizontal", 0.0
+    )
     periodic: bool = quantity(NONE, "repeat the channel along x: no weir, no open end", False)
 
 
@@ -97,7 +110,7 @@ class Block(Table):
     material: Literal["water", "sediment", "mixture", "mix"] = quantity(
         NONE,
         "water; sediment (rock); mixture (one kind of particle for both); "
-        "mix (seeded random water and sediment particles)",
+        "mix (water and sediment particles, seeded at random, evenly)",
     )
     sediment_share: float = quantity(NONE, "share of sediment particles in a mix", 0.5, ge=0, le=1)
     velocity: Vector = quantity("m/s", "initial velocity", (0.0, 0.0))
@@ -236,13 +249,16 @@ class Strength(Table):
     friction_angle: float = quantity("degree", "angle of internal friction", 35.0, gt=0, lt=90)
     mixing_length: float = quantity("m", "length of the turbulent viscosity", 0.0, ge=0)
     concentration_ramp: Interval = quantity(
-        NONE, "concentrations between which the strength grows from 0 to full", (0.10, 0.25)
+        NONE,
+        "concentrations between which the strength grows from 0 to full; "
+        "from the middle on, grains carry each other",
+        (0.20, 0.35),
     )
     smallest_shear_rate: float = quantity(
-        "1/s", "shear rate below which the friction is viscous", 0.005, gt=0
+        "1/s", "shear rate below which the friction is viscous", 0.001, gt=0
     )
     largest_viscosity: float = quantity(
-        "Pa s", "viscosity at which the friction is capped", 5.0e4, gt=0
+        "Pa s", "viscosity at which the friction is capped", 1.0e6, gt=0
     )
 
 

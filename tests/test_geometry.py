@@ -1,0 +1,87 @@
+"""Walls of a channel whose floor bends up to a run-out."""
+
+import numpy as np
+import pytest
+
+from debrisflow import geometry
+from debrisflow.case import Case
+from debrisflow.case.defaults import complete
+from debrisflow.measures import deposit_profile
+from debrisflow.particles import Kind
+from tests.building import advance, started
+
+D0 = 0.02
+
+
+def bent_channel(**tables):
+    """Return a case: a channel of 15 degrees that bends to 3 degrees at x = 1 m."""
+    tables = {"time": {"end": 1.0}, "output": {"interval": 1.0}} | tables
+    return complete(
+        Case(
+            title="bend",
+            particles={"spacing": D0},
+            gravity={"slope": 15.0},
+            geometry={
+                "type": "channel",
+                "length": 2.0,
+                "height": 0.6,
+                "runout_start": 1.0,
+                "runout_slope": 3.0,
+            },
+            **tables,
+        )
+    )
+
+
+def test_the_floor_of_a_runout_lies_at_its_slope():
+    case = bent_channel()
+    level = geometry.floor_level(case, np.array([0.5, 1.0, 1.5]))
+    np.testing.assert_allclose(level, [0.0, 0.0, 0.5 * np.tan(np.radians(12.0))], atol=1e-12)
+
+
+@pytest.mark.parametrize("layer", [1, 2, 3, 4])
+def test_wall_layers_follow_the_bend_without_gap_or_overlap(layer):
+    points = geometry.walls(bent_channel())
+    row = points.position[(points.layer == layer) & (points.position[:, 1] < 0.5)]
+    row = row[(row[:, 0] > 0.0) & (row[:, 0] < 1.9)]
+    row = row[np.argsort(row[:, 0])]
+    apart = np.linalg.norm(np.diff(row, axis=0), axis=1) / D0
+    assert apart.min() > 0.4
+    assert apart.max() < 1.6
+    away = np.abs(row[:-1, 0] - 1.0) > 0.1
+    np.testing.assert_allclose(apart[away], 1.0, rtol=1e-9)
+
+
+def test_heights_of_a_deposit_on_a_runout_are_along_its_normal():
+    case = bent_channel()
+    bend = np.radians(12.0)
+    along = np.arange(0.2, 0.8, D0 / 2)
+    depth = 0.05
+    position = np.zeros((along.size, 3))
+    position[:, 0] = 1.0 + along * np.cos(bend) - depth * np.sin(bend)
+    position[:, 1] = along * np.sin(bend) + depth * np.cos(bend)
+    rows = along.size
+    profile = deposit_profile(
+        case,
+        position,
+        np.zeros((rows, 3)),
+        np.full(rows, int(Kind.SEDIMENT)),
+        np.full(rows, 0.55),
+        np.full(rows, 18.0),
+        18.0,
+    )
+    inside = (profile.x > 1.25) & (profile.x < 1.7)
+    np.testing.assert_allclose(profile.flow_height[inside], depth + 0.5 * D0, rtol=1e-9)
+
+
+def test_a_film_runs_along_a_tilted_floor_and_not_through_it():
+    block = {"type": "block", "x": [0.6, 1.0], "y": [0.0, 0.08], "material": "water"}
+    case = bent_channel(fill=[block | {"velocity": [1.0, 0.0]}])
+    scheme, state = started(case)
+    advance(scheme, state, until=0.5)
+    p = state.particles
+    x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
+    assert state.through_wall.sum() == 0
+    assert x.max() > 1.3
+    height = geometry.height_over_floor(case, x, y, x)
+    assert height.min() > 0.2 * D0

@@ -1,0 +1,260 @@
+"""Debris flow over a movable bed in a flume (A1, A3): rest, front, erosion, profiles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import load_case, tables
+from debrisflow.schemes import SemiImplicit
+from debrisflow.state import State, initial_state
+from tests.building import advance
+
+Floats = NDArray[np.float64]
+CASES = Path(__file__).parents[2] / "cases"
+MOVING = 0.2  # m/s, of the front
+MIXED = 0.1  # m/s, of the layer whose concentration counts
+SAMPLE = 0.02  # s
+BEHIND_FRONT = 0.5  # m
+STATIONS = (6.86, 6.88, 6.90, 6.92, 6.94)  # m, of the study in A1
+
+
+@dataclass
+class Particles:
+    """The fluid at a time: id, position, velocity, sediment fraction and C."""
+
+    id: NDArray[np.int64]
+    position: Floats
+    velocity: Floats
+    fraction: Floats
+    concentration: Floats
+
+
+@dataclass
+class Flume:
+    """What a flume did.
+
+    Attributes
+    ----------
+    case : Case
+    bed : int
+        Particles of the bed at the start; their ids are less.
+    time, front : (n,) float64 array, s, m
+        See :func:`front_of`.
+    sediment : (n, 2) int array
+        Sediment particles in the upstream and in the downstream half of the bed's length.
+    left : (n, 3) int array
+        Particles past the end by phase.
+    frames : dict
+        :class:`Particles` by time, s.
+    supplied : float, m2
+    through_wall : int
+    """
+
+    case: tables.Case
+    bed: int
+    time: Floats = field(default_factory=lambda: np.empty(0))
+    front: Floats = field(default_factory=lambda: np.empty(0))
+    sediment: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 2), dtype=int))
+    left: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), dtype=int))
+    frames: dict[float, Particles] = field(default_factory=dict)
+    supplied: float = 0.0
+    through_wall: int = 0
+
+    def arrival(self, x: float) -> float:
+        """Return when the front passes x, s; nan if it does not."""
+        reached = np.maximum.accumulate(self.front)
+        if not reached.size or reached[-1] < x:
+            return np.nan
+        return float(np.interp(x, reached, self.time))
+
+    def moved(self, start: float, end: float) -> Floats:
+        """Return how far the particles of the bed moved between two frames, in spacings."""
+        before, after = self.frames[start], self.frames[end]
+        kept, one, other = np.intersect1d(before.id, after.id, return_indices=True)
+        step = after.position[other] - before.position[one]
+        return np.linalg.norm(step[kept < self.bed], axis=1) / self.case.particles.spacing
+
+    def eroded(self) -> float:
+        """Return the share of its sediment that the upstream half has lost at the end."""
+        return float(1.0 - self.sediment[-1, 0] / self.sediment[0, 0])
+
+    def concentrations(self, time: float) -> dict[str, float]:
+        """Return the volume share of sediment in what moves behind the front.
+
+        In the half meter behind the front what is faster than 0.1 m/s counts: ``all`` of it, what
+        is ``above`` the level of the bed at the start, the ``surface`` (the upper fifth of each
+        0.1 m) and the ``base`` (the lower fifth).
+        """
+        frame, x = self.frames[time], self.frames[time].position[:, 0]
+        front = float(np.interp(time, self.time, self.front))
+        chosen = np.linalg.norm(frame.velocity, axis=1) > MIXED
+        chosen &= (x > front - BEHIND_FRONT) & (x <= front + self.case.particles.spacing)
+        y, fraction, number = (
+            frame.position[chosen, 1],
+            frame.fraction[chosen],
+            (x[chosen] / 0.1).astype(int),
+        )
+        rank = np.empty(y.size)
+        for column in np.unique(number):
+            rows = np.flatnonzero(number == column)
+            rank[rows[np.argsort(y[rows])]] = (np.arange(rows.size) + 0.5) / rows.size
+        parts = {
+            "all": np.ones(y.size, dtype=bool),
+            "above": y > 0.0,
+            "surface": rank > 0.8,
+            "base": rank < 0.2,
+        }
+        return {
+            name: float(fraction[rows].mean()) if rows.any() else np.nan
+            for name, rows in parts.items()
+        }
+
+    def profile_error(self, start: float, end: float) -> tuple[float, float, float]:
+        """Return rms of u/u_s to the dilatant profile, the depth, m, and u_s, m/s.
+
+        As the study takes them: means over one spacing to either side of the stations and, here,
+        over the frames between two times, in layers one spacing thick.  y = 0 is where u is a tenth
+        of u_s, the speed of the uppermost layer that is a third full.
+        """
+        d0 = self.case.particles.spacing
+        speed, count = np.zeros((2, 200))
+        bottom, frames = -self.case.geometry.bed_thickness, 0
+        for time, frame in self.frames.items():
+            if not start <= time <= end:
+                continue
+            frames += 1
+            for station in STATIONS:
+                here = np.abs(frame.position[:, 0] - station) < d0
+                layer = ((frame.position[here, 1] - bottom) / d0).astype(int)
+                count += np.bincount(layer, minlength=200)[:200]
+                speed += np.bincount(layer, frame.velocity[here, 0], minlength=200)[:200]
+        top = int(np.flatnonzero(count > frames * len(STATIONS) * 2.0 / 3.0)[-1])
+        u = speed[: top + 1] / np.maximum(count[: top + 1], 1)
+        y = (np.arange(top + 1) + 0.5) * d0
+        surface = u[-1]
+        above = int(np.flatnonzero(u < 0.1 * surface)[-1]) if (u < 0.1 * surface).any() else 0
+        zero = float(np.interp(0.1 * surface, u[above : above + 2], y[above : above + 2]))
+        depth = y[-1] - zero
+        scaled = (y[above + 1 :] - zero) / depth
+        dilatant = 1.0 - (1.0 - scaled) ** 1.5
+        error = float(np.sqrt(np.mean((u[above + 1 :] / surface - dilatant) ** 2)))
+        return error, float(depth), float(surface)
+
+
+def front_of(x: Floats, speed: Floats, area: float, width: float, depth: float) -> float:
+    """Return how far the flow reaches, m.
+
+    Through bins of ``width`` that are filled by at least ``depth`` on average with what is faster
+    than 0.2 m/s, two such bins in a row: the x behind which the last of them holds that much.  So a
+    splash is no front, and what counts as one has the same thickness at every spacing.
+
+    Parameters
+    ----------
+    x, speed : (n,) array, m, m/s
+    area : float, m2
+        Of a particle.
+    width, depth : float, m
+    """
+    x = np.sort(x[(speed > MOVING) & (x >= 0.0)])
+    least = max(round(width * depth / area), 1)
+    number = (x / width).astype(int)
+    filled = np.bincount(number, minlength=2) >= least
+    last = np.flatnonzero(filled[1:] & filled[:-1])
+    return float(x[number == last[-1] + 1][-least]) if last.size else 0.0
+
+
+def run(
+    name: str,
+    overrides: tuple[str, ...] = (),
+    end: float | None = None,
+    frames: tuple[float, ...] = (),
+    width: float = 0.1,
+    depth: float = 0.008,
+    scheme: type[SemiImplicit] = SemiImplicit,
+) -> Flume:
+    """Run a flume; ``width`` and ``depth`` are those of :func:`front_of`.
+
+    A frame is kept every tenth of a second, and at the times ``frames``, multiples of 0.02 s.
+    """
+    case = load_case(CASES / f"{name}.toml", overrides)
+    end = case.time.end if end is None else end
+    solver, state = scheme(case), initial_state(case)
+    flume = Flume(case, state.particles.fluid_count)
+    time, front, sediment, left = [], [], [], []
+    samples = np.arange(round(end / SAMPLE) + 1) * SAMPLE
+    advance(solver, state, until=0.0)
+    for until in samples:
+        advance(solver, state, until=until)
+        p = state.particles
+        x, fluid = p.position[p.fluid, 0], p.fluid
+        speed = np.linalg.norm(p.velocity[fluid], axis=1)
+        time.append(state.time)
+        front.append(front_of(x, speed, case.particles.spacing**2, width, depth))
+        middle = 0.5 * (case.geometry.bed_start + case.geometry.bed_end)
+        upstream = x[p.sediment_fraction[fluid] > 0.0] < middle
+        sediment.append((np.count_nonzero(upstream), np.count_nonzero(~upstream)))
+        left.append(state.left.copy())
+        if np.isclose(until, (*frames, round(until, 1))).any():
+            flume.frames[round(float(until), 3)] = _particles(state)
+    flume.time, flume.front = np.array(time), np.array(front)
+    flume.sediment, flume.left = np.array(sediment), np.array(left)
+    flume.supplied = float(state.entered.sum() * case.particles.spacing**2)
+    flume.through_wall = int(state.through_wall.sum())
+    return flume
+
+
+@dataclass
+class Deposit:
+    """A deposit in the last two seconds of a run.
+
+    Attributes
+    ----------
+    moved : (n,) float64 array
+        How far its grains moved, in spacings.
+    on_runout : float
+        Share of the sediment on the run-out.
+    slope : float
+        Slope of the deposit's surface below the horizontal on both sides of the bend, degrees.
+    """
+
+    moved: Floats
+    on_runout: float
+    slope: float
+
+
+def deposit(name: str, overrides: tuple[str, ...] = (), end: float | None = None) -> Deposit:
+    """Run a flume with a run-out to its end and return its deposit."""
+    case = load_case(CASES / f"{name}.toml", overrides)
+    end = case.time.end if end is None else end
+    scheme, state = SemiImplicit(case), initial_state(case)
+    advance(scheme, state, until=end - 2.0)
+    before = _particles(state)
+    advance(scheme, state, until=end)
+    after = _particles(state)
+    _, one, other = np.intersect1d(before.id, after.id, return_indices=True)
+    rock = after.fraction[other] > 0.0
+    moved = np.linalg.norm(after.position[other] - before.position[one], axis=1)[rock]
+    x, y = after.position[after.fraction > 0.0].T
+    bend, d0 = case.geometry.runout_start, case.particles.spacing
+    near = np.abs(x - bend) < 0.3
+    column = (x[near] / (2 * d0)).astype(int)
+    places = np.unique(column)
+    tops = np.array([y[near][column == k].max() for k in places])
+    rise = np.degrees(np.arctan(np.polyfit((places + 0.5) * 2 * d0, tops, 1)[0]))
+    fall = np.degrees(case.gravity.fall)
+    return Deposit(moved / d0, float(np.mean(x > bend)), float(fall - rise))
+
+
+def _particles(state: State) -> Particles:
+    p = state.particles
+    return Particles(
+        p.id[p.fluid].copy(),
+        p.position[p.fluid, :2].copy(),
+        p.velocity[p.fluid, :2].copy(),
+        p.sediment_fraction[p.fluid].copy(),
+        p.concentration[p.fluid].copy(),
+    )
