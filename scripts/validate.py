@@ -1,8 +1,10 @@
 """Print the figures of the README's tables of accuracy, from runs made now.
 
-python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse]
+python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
+                           [fine_flume] [short_flume]
 
-All but ``collapse`` take about five minutes together; ``collapse``, with its fine spacing, as many.
+``fine_flume`` takes about an hour, ``collapse`` and ``flume`` about ten minutes, the others five or
+less each.
 """
 
 from __future__ import annotations
@@ -19,7 +21,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tests.validation import (
     collapse,
+    controls,
     dam_break,
+    endless_bed,
+    flume,
     granular_shear,
     hydrostatic,
     settling,
@@ -149,6 +154,128 @@ def print_collapse() -> None:
             )
 
 
+def print_bed() -> None:
+    """Print the slope at which an endless bed slides, and how deep it yields under a flow."""
+    for angle in (30.0, 35.0):
+        for spacing in (0.02, 0.01):
+            limit = endless_bed.limit_slope(angle)
+            moved = [
+                f"{off:+.1f}: {endless_bed.rest(limit + off, angle, spacing).mean:.3g}"
+                for off in (-1.0, -0.5, 0.5, 1.0)
+            ]
+            click.echo(
+                f"endless bed, {angle:.0f} degrees, d0 = {spacing} m, limit slope {limit:.2f}; "
+                f"mean displacement in 2 s, d0, by degrees from it: {', '.join(moved)}"
+            )
+    for angle in (35.0, 40.0):
+        for depth, water_rows in ((0.02, 4), (0.02, 6), (0.02, 8), (0.04, 8)):
+            spacing = depth / water_rows
+            expected = endless_bed.yield_depth(15.0, angle, depth)
+            bed_rows = int(1.5 * expected / spacing) + 3
+            found = endless_bed.moving_depth(15.0, angle, spacing, bed_rows, water_rows, 2.0)
+            click.echo(
+                f"yield under {depth} m of water in {water_rows} rows, {angle:.0f} degrees: "
+                f"{found:.4f} m, Takahashi {expected:.4f} m ({found / expected - 1:+.0%})"
+            )
+    moved = endless_bed.rest(15.0, 35.0, 0.02, scheme=controls.FrictionBeforeProjection).mean
+    click.echo(f"friction before the projection, 15 degrees: {moved:.2f} d0 in 2 s")
+
+
+def describe(title: str, found: flume.Flume, times: tuple[float, ...] = (5.0, 6.0, 7.0)) -> None:
+    """Print what a run of flume2d did."""
+    first, last = found.arrival(2.0), found.arrival(6.9)
+    lines = [
+        f"{title}: front at 2 m {first:.2f} s, 2 to 6.9 m {last - first:.2f} s; bed moved in 2 s "
+        f"{found.moved(0.0, 2.0).mean():.3f} d0, at most {found.moved(0.0, 2.0).max():.2f}; supply "
+        f"{found.supplied:.4f} m2; upstream half lost {found.eroded():.0%}; "
+        f"{found.through_wall} through walls"
+    ]
+    for time in times:
+        if time in found.frames:
+            shares = found.concentrations(time)
+            text = ", ".join(f"{name} {share:.2f}" for name, share in shares.items())
+            lines.append(f"  C behind the front at {time:g} s: {text}")
+    if last + 0.5 <= found.time[-1]:
+        error, depth, speed = found.profile_error(last, last + 0.5)
+        lines.append(
+            f"  profile at 6.86 to 6.94 m: rms {error:.3f} to the dilatant, depth {depth:.3f} m, "
+            f"u_s {speed:.2f} m/s"
+        )
+    click.echo("\n".join(lines))
+
+
+def print_flume() -> None:
+    """Print the figures of A1 at its spacing, and the controls."""
+    for seed in (1, 2, 3, 4):
+        describe(f"A1, mix {seed}", flume.run("flume2d", (f"particles.seed={seed}",)))
+    for seed in (1, 2):
+        changes = (f"particles.seed={seed}", "time.largest_step=0.001")
+        describe(f"A1, mix {seed}, half the step", flume.run("flume2d", changes))
+    dry = flume.run("flume2d", supply_until=0.0)
+    click.echo(f"A1 without supply: upstream half lost {dry.eroded():.1%} in 10 s")
+    describe("A1, drag none", flume.run("flume2d", ("drag.law=none",)))
+    describe(
+        "A1, load of the grains as a share of the pressure",
+        flume.run("flume2d", scheme=controls.ShareOfPressure),
+    )
+    off = flume.run("flume2d", end=12.5, supply_until=5.5)
+    depths = still_depths(off, 12.5, np.arange(2.0, 7.1, 0.5))
+    click.echo(
+        f"A1, supply off at 5.5 s: moved at 10.5 to 12.5 s {off.rested(10.5, 12.5).mean():.3f} d0, "
+        f"depth of sediment by half meters from 2 m: {depths.tolist()} m"
+    )
+    found = flume.deposit("flume_deposit2d")
+    click.echo(
+        f"flume_deposit2d: sediment moved in the last 2 s {found.moved.mean():.3f} d0, at most "
+        f"{found.moved.max():.2f}; {found.on_runout:.0%} of it on the run-out, surface at "
+        f"{found.slope:.1f} degrees"
+    )
+
+
+def still_depths(found: flume.Flume, time: float, edges: np.ndarray) -> np.ndarray:
+    """Return the volume of a bed's sediment, pores included, by its length, m."""
+    frame = found.frames[time]
+    count = np.histogram(frame.position[frame.fraction > 0.0, 0], edges)[0]
+    limit = found.case.sediment.packing_limit
+    depth = count * found.case.particles.spacing**2 / limit / np.diff(edges)
+    return depth.round(3)
+
+
+def print_fine_flume() -> None:
+    """Print the figures of A1 at half and a quarter of its spacing."""
+    for seed in (1, 2, 3, 4):
+        changes = ("particles.spacing=0.01", f"particles.seed={seed}")
+        describe(f"A1, d0 = 0.01 m, mix {seed}", flume.run("flume2d", changes))
+    describe("A1, d0 = 0.005 m", flume.run("flume2d", ("particles.spacing=0.005",), end=8.5))
+
+
+def print_short_flume() -> None:
+    """Print the figures of A3 at two spacings."""
+    for spacing in (0.005, 0.0025):
+        found = flume.run(
+            "bed_erosion2d",
+            (f"particles.spacing={spacing}",),
+            frames=(1.03, 2.03),
+            width=0.05,
+            depth=0.002,
+        )
+        front = np.interp([1.03, 2.03, 3.5], found.time, found.front).round(2)
+        arrivals = [round(found.arrival(x), 2) for x in (0.3, 0.5, 0.7, 0.9)]
+        left = found.left[-1]
+        click.echo(
+            f"A3, d0 = {spacing} m: front at 1.03, 2.03, 3.5 s {front.tolist()} m; 0.3, 0.5, 0.7 "
+            f"and 0.9 m at {arrivals} s; bed moved {found.moved(0.0, 0.4).max():.2f} d0 in 0.4 s; "
+            f"sediment of what left by 3.5 s {left[1] / max(left.sum(), 1):.2f} "
+            f"(Takahashi 0.376); {found.through_wall} through walls"
+        )
+    off = flume.run("bed_erosion2d", end=9.0, width=0.05, depth=0.002, supply_until=2.0)
+    depths = still_depths(off, 9.0, np.arange(0.1, 1.0, 0.2))
+    click.echo(
+        f"A3, supply off at 2 s: moved at 7 to 9 s {off.rested(7.0, 9.0).mean():.3f} d0, depth of "
+        f"sediment by 0.2 m from 0.1 m: {depths.tolist()} m"
+    )
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "still": print_still,
     "viscous": print_viscous,
@@ -156,6 +283,10 @@ PARTS: dict[str, Callable[[], None]] = {
     "shear": print_shear,
     "settling": print_settling,
     "collapse": print_collapse,
+    "bed": print_bed,
+    "flume": print_flume,
+    "fine_flume": print_fine_flume,
+    "short_flume": print_short_flume,
 }
 
 

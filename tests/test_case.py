@@ -120,6 +120,7 @@ class TestRoundTrip:
 
         assert left_open == {
             "gravity.vector",
+            "geometry.runout_start",
             "inflow.hydrograph",
             "collision_stress.concentration",
         }

@@ -78,6 +78,14 @@ class Flume:
         step = after.position[other] - before.position[one]
         return np.linalg.norm(step[kept < self.bed], axis=1) / self.case.particles.spacing
 
+    def rested(self, start: float, end: float) -> Floats:
+        """Return how far the sediment that is there at both times moved, in spacings."""
+        before, after = self.frames[start], self.frames[end]
+        _, one, other = np.intersect1d(before.id, after.id, return_indices=True)
+        rock = after.fraction[other] > 0.0
+        step = after.position[other][rock] - before.position[one][rock]
+        return np.linalg.norm(step, axis=1) / self.case.particles.spacing
+
     def eroded(self) -> float:
         """Return the share of its sediment that the upstream half has lost at the end."""
         return float(1.0 - self.sediment[-1, 0] / self.sediment[0, 0])
@@ -175,12 +183,16 @@ def run(
     width: float = 0.1,
     depth: float = 0.008,
     scheme: type[SemiImplicit] = SemiImplicit,
+    supply_until: float | None = None,
 ) -> Flume:
     """Run a flume; ``width`` and ``depth`` are those of :func:`front_of`.
 
+    The supply may end before the run, 0 for a run without any.
     A frame is kept every tenth of a second, and at the times ``frames``, multiples of 0.02 s.
     """
     case = load_case(CASES / f"{name}.toml", overrides)
+    if supply_until is not None:
+        case = _supplied_until(case, supply_until)
     end = case.time.end if end is None else end
     solver, state = scheme(case), initial_state(case)
     flume = Flume(case, state.particles.fluid_count)
@@ -205,6 +217,16 @@ def run(
     flume.supplied = float(state.entered.sum() * case.particles.spacing**2)
     flume.through_wall = int(state.through_wall.sum())
     return flume
+
+
+def _supplied_until(case: tables.Case, end: float) -> tables.Case:
+    """Return a case whose supply falls to nothing within a tenth of a second from ``end`` on."""
+    q = case.inflow.discharge if end > 0.0 else 0.0
+    graph = tables.Hydrograph(
+        time=(0.0, max(end, 0.1), end + 0.2), discharge=(q, q, 0.0), concentration=(0.0, 0.0, 0.0)
+    )
+    supply = tables.Inflow(depth=case.inflow.depth, hydrograph=graph)
+    return case.model_copy(update={"inflow": supply})
 
 
 @dataclass
