@@ -300,11 +300,12 @@ def _filled(
 
 
 def _evenly_mixed(position: Floats, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Return which particles of a mix are sediment: at random, but as many in each square of four.
+    """Return which particles of a mix are sediment: at random, but evenly over squares of four.
 
-    What a square cannot hold of its share goes over to the next.  Particles are much larger than
-    grains, whose mixture is even at the size of a particle; phases drawn without this care leave
-    loose and dense places in a bed, which then packs, gives off water, and slides on it.
+    Up to the end of each square there are as many as its share of the particles so far, rounded up
+    or down at random.  Particles are much larger than grains, whose mixture is even at the size of
+    a particle; phases drawn without this care leave loose and dense places in a bed, which then
+    packs, gives off water, and slides on it.
 
     Parameters
     ----------
@@ -316,9 +317,17 @@ def _evenly_mixed(position: Floats, share: float, rng: np.random.Generator) -> N
     across, up = (position[:, :2] // 2).T.astype(np.int64)
     # columns of squares up and down in turn, so that the next square is a neighbor
     order = np.lexsort((rng.random(len(position)), up * (-1) ** across, across))
-    due = np.floor(np.arange(len(position) + 1) * share + 0.5)
+    square = np.stack([across, up])[:, order]
+    ends = np.flatnonzero(np.any(np.diff(square, axis=1, append=square[:, -1:] + 1), axis=0)) + 1
+    rounding = rng.random(ends.size)
+    rounding[-1] = 0.5
+    due = np.floor(ends * share + rounding).astype(np.int64)
     is_sediment = np.zeros(len(position), dtype=bool)
-    is_sediment[order] = np.diff(due) > 0
+    start, placed = 0, 0
+    for end, until in zip(ends, due, strict=True):
+        count = min(max(until - placed, 0), end - start)
+        is_sediment[order[start : start + count]] = True
+        start, placed = end, placed + count
     return is_sediment
 
 

@@ -181,7 +181,7 @@ def print_bed() -> None:
     click.echo(f"friction before the projection, 15 degrees: {moved:.2f} d0 in 2 s")
 
 
-def describe(title: str, found: flume.Flume, times: tuple[float, ...] = (5.0, 6.0, 7.0)) -> None:
+def describe(title: str, found: flume.Flume, times: tuple[float, ...] = (6.0, 7.0, 8.0)) -> None:
     """Print what a run of flume2d did."""
     first, last = found.arrival(2.0), found.arrival(6.9)
     lines = [
@@ -194,7 +194,7 @@ def describe(title: str, found: flume.Flume, times: tuple[float, ...] = (5.0, 6.
         if time in found.frames:
             shares = found.concentrations(time)
             text = ", ".join(f"{name} {share:.2f}" for name, share in shares.items())
-            lines.append(f"  C behind the front at {time:g} s: {text}")
+            lines.append(f"  C at {time:g} s: {text}")
     if last + 0.5 <= found.time[-1]:
         error, depth, speed = found.profile_error(last, last + 0.5)
         lines.append(

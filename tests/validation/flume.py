@@ -18,7 +18,7 @@ CASES = Path(__file__).parents[2] / "cases"
 MOVING = 0.2  # m/s, of the front
 MIXED = 0.1  # m/s, of the layer whose concentration counts
 SAMPLE = 0.02  # s
-BEHIND_FRONT = 0.5  # m
+HEAD = 0.5  # m
 STATIONS = (6.86, 6.88, 6.90, 6.92, 6.94)  # m, of the study in A1
 
 
@@ -91,35 +91,29 @@ class Flume:
         return float(1.0 - self.sediment[-1, 0] / self.sediment[0, 0])
 
     def concentrations(self, time: float) -> dict[str, float]:
-        """Return the volume share of sediment in what moves behind the front.
+        """Return the volume share of sediment in what moves faster than 0.1 m/s.
 
-        In the half meter behind the front what is faster than 0.1 m/s counts: ``all`` of it, what
-        is ``above`` the level of the bed at the start, the ``surface`` (the upper fifth of each
-        0.1 m) and the ``base`` (the lower fifth).
+        In the ``head``, the half meter behind the front: all of it, and what is ``above`` the level
+        of the bed at the start.  In the ``body`` behind it, from half a meter past the beginning of
+        the bed on: all of it, the ``surface`` (the upper fifth of each 0.1 m) and the ``base`` (the
+        lower fifth).
         """
         frame, x = self.frames[time], self.frames[time].position[:, 0]
         front = float(np.interp(time, self.time, self.front))
-        chosen = np.linalg.norm(frame.velocity, axis=1) > MIXED
-        chosen &= (x > front - BEHIND_FRONT) & (x <= front + self.case.particles.spacing)
-        y, fraction, number = (
-            frame.position[chosen, 1],
-            frame.fraction[chosen],
-            (x[chosen] / 0.1).astype(int),
-        )
-        rank = np.empty(y.size)
-        for column in np.unique(number):
-            rows = np.flatnonzero(number == column)
-            rank[rows[np.argsort(y[rows])]] = (np.arange(rows.size) + 0.5) / rows.size
+        moves = np.linalg.norm(frame.velocity, axis=1) > MIXED
+        in_head = moves & (x > front - HEAD) & (x <= front + self.case.particles.spacing)
+        above = in_head & (frame.position[:, 1] > 0.0)
+        in_body = moves & (x > self.case.geometry.bed_start + HEAD) & (x <= front - HEAD)
+        height = _rank_in_column(x[in_body], frame.position[in_body, 1])
+        body = frame.fraction[in_body]
         parts = {
-            "all": np.ones(y.size, dtype=bool),
-            "above": y > 0.0,
-            "surface": rank > 0.8,
-            "base": rank < 0.2,
+            "head": frame.fraction[in_head],
+            "above": frame.fraction[above],
+            "body": body,
+            "surface": body[height > 0.8],
+            "base": body[height < 0.2],
         }
-        return {
-            name: float(fraction[rows].mean()) if rows.any() else np.nan
-            for name, rows in parts.items()
-        }
+        return {name: float(part.mean()) if part.size else np.nan for name, part in parts.items()}
 
     def profile_error(self, start: float, end: float) -> tuple[float, float, float]:
         """Return rms of u/u_s to the dilatant profile, the depth, m, and u_s, m/s.
@@ -151,6 +145,15 @@ class Flume:
         dilatant = 1.0 - (1.0 - scaled) ** 1.5
         error = float(np.sqrt(np.mean((u[above + 1 :] / surface - dilatant) ** 2)))
         return error, float(depth), float(surface)
+
+
+def _rank_in_column(x: Floats, y: Floats) -> Floats:
+    """Return how many of the particles in the same 0.1 m of x are lower, as a share."""
+    rank, number = np.empty(y.size), (x / 0.1).astype(int)
+    for column in np.unique(number):
+        rows = np.flatnonzero(number == column)
+        rank[rows[np.argsort(y[rows])]] = (np.arange(rows.size) + 0.5) / rows.size
+    return rank
 
 
 def front_of(x: Floats, speed: Floats, area: float, width: float, depth: float) -> float:

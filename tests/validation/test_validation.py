@@ -203,7 +203,7 @@ def test_an_endless_bed_slides_from_its_limit_slope_on(friction_angle, spacing):
 
 def test_a_bed_is_not_at_rest_where_friction_comes_before_the_projection():
     moved = endless_bed.rest(15.0, 35.0, 0.02, scheme=controls.FrictionBeforeProjection)
-    assert moved.mean > 0.2
+    assert moved.mean > 0.1
     assert endless_bed.rest(15.0, 35.0, 0.02).mean < 0.1
 
 
@@ -250,12 +250,12 @@ def test_the_flume_erodes_its_bed_from_upstream(debris_flow):
     assert count[0] < 0.5 * count[2]
 
 
-def test_the_front_of_the_flume_carries_sediment_under_water(debris_flow):
-    for time in (5.0, 6.0, 7.0):
+def test_the_flow_of_the_flume_carries_sediment_under_water(debris_flow):
+    for time in (6.0, 7.0, 8.0):
         found = debris_flow.concentrations(time)
-        assert found["surface"] < found["base"]
-        assert 0.2 < found["all"] < 0.55
-        assert found["above"] > 0.1
+        assert found["surface"] < 0.5 * found["base"]
+        assert 0.2 < found["body"] < 0.55
+        assert 0.1 < found["above"] < 0.6
 
 
 def test_where_water_counts_as_load_of_the_grains_the_flow_takes_up_little(debris_flow):
