@@ -163,7 +163,8 @@ def _with_runout(
     """
     assert shape.runout_start is not None
     miter = tan(0.5 * bend)
-    kept = points.position[:, 0] < shape.runout_start - points.position[:, 1] * miter
+    x, y, _ = points.position.T
+    kept = (y > 0.0) | (x < shape.runout_start - y * miter)
     parts = [WallPoints._make(field[kept] for field in points)]
     end = shape.length + 2 * layers * d0
     for layer in range(1, layers + 1):

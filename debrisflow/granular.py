@@ -19,6 +19,7 @@ from debrisflow.operators import (
 )
 
 Floats = NDArray[np.float64]
+ROW_BELOW = 1.5  # spacings within which the row below a free surface stands
 
 
 class Grains(NamedTuple):
@@ -352,27 +353,40 @@ def largest_collision_step(
 
 
 @kernel
-def covered_depth_at(i, fluid_count, gravity, stencil):
-    """Return what a free-surface particle has to carry of the rows above its center, m.
+def surface_load_at(i, fluid_count, gravity, stencil):
+    """Return what a free-surface particle has to carry above its center, m2/s2.
 
-    Half of its own row, and what its row lies nearer than d0 to the row below: the pressure of the
-    fluid lets the uppermost row sink by about a quarter of a spacing, and that much of the weight
-    would be missing in every row below.
+    ``g cos(theta)`` times half of its own row and what its row lies nearer than d0 to the row
+    below: the pressure of the fluid lets the uppermost row sink by about a quarter of a spacing,
+    and that much of the weight would be missing in every row below.  Along the normal of the
+    surface, the direction in which the neighbors stand; a wall that rises above it does not count.
     """
     d0 = stencil.spacing
-    g = np.sqrt(gravity[0] ** 2 + gravity[1] ** 2 + gravity[2] ** 2)
-    nearest = d0
+    x, y, z = 0.0, 0.0, 0.0
     for k in range(stencil.neighbor_count[i]):
-        if stencil.neighbors[i, k] >= fluid_count or g == 0.0:
+        down = gravity[0] * stencil.dx[i, k]
+        down += gravity[1] * stencil.dy[i, k] + gravity[2] * stencil.dz[i, k]
+        if stencil.neighbors[i, k] >= fluid_count and down < 0.0:
             continue
-        below = (
-            gravity[0] * stencil.dx[i, k]
-            + gravity[1] * stencil.dy[i, k]
-            + gravity[2] * stencil.dz[i, k]
-        ) / g
-        if below * stencil.inverse[i, k] > 0.7:
-            nearest = min(nearest, below)
-    return 1.5 * d0 - nearest
+        inverse = stencil.inverse[i, k]
+        w = (stencil.effective_radius * inverse - 1.0) * inverse
+        x += w * stencil.dx[i, k]
+        y += w * stencil.dy[i, k]
+        z += w * stencil.dz[i, k]
+    length = np.sqrt(x * x + y * y + z * z)
+    if length == 0.0:
+        return 0.0
+    x, y, z = x / length, y / length, z / length
+    weight = max(gravity[0] * x + gravity[1] * y + gravity[2] * z, 0.0)
+    total, count = 0.0, 0.0
+    for k in range(stencil.neighbor_count[i]):
+        inverse = stencil.inverse[i, k]
+        below = x * stencil.dx[i, k] + y * stencil.dy[i, k] + z * stencil.dz[i, k]
+        if inverse * ROW_BELOW * d0 > 1.0 and below * inverse > 0.7:
+            total += below
+            count += 1.0
+    gap = total / count if count > 0.0 else d0
+    return weight * (0.5 * d0 + max(d0 - gap, 0.0))
 
 
 @kernel
@@ -380,7 +394,7 @@ def grain_pressure_row_at(
     i,
     fluid_count,
     c,
-    touching,
+    least_concentration,
     on_free_surface,
     submerged_density,
     gravity,
@@ -394,20 +408,20 @@ def grain_pressure_row_at(
 
     Every linear pressure solves it exactly on any arrangement of particles; neither the time step
     nor the velocity enters, so the result carries no noise of the flow, and water above the bed
-    adds nothing.  C is that at the particle's level; p = 0 where it is less than ``touching``; on
+    adds nothing.  C is that at the level of the particle; p = 0 where it is less than the least; on
     the free surface of a bed p is the weight of half a row and of what that row has sunk.  Walls
     are natural boundaries: pairs of two wall particles and dummies are left out.
     It takes the pores as drained: no excess pore pressure, no dilatancy.
     """
     is_fluid = i < fluid_count
-    weight = np.sqrt(gravity[0] ** 2 + gravity[1] ** 2 + gravity[2] ** 2) * submerged_density
     system.entries[i] = 0
     system.diagonal[i] = 1.0
     system.right[i] = 0.0
-    if is_fluid and c[i] < touching:
+    if is_fluid and c[i] < least_concentration:
         return
     if is_fluid and on_free_surface[i]:
-        system.right[i] = c[i] * weight * covered_depth_at(i, fluid_count, gravity, stencil)
+        load = surface_load_at(i, fluid_count, gravity, stencil)
+        system.right[i] = c[i] * submerged_density * load
         return
     diagonal, right = 0.0, 0.0
     for k in range(stencil.unknown_count[i]):
@@ -437,7 +451,14 @@ def grain_pressure_row_at(
 
 @loop
 def assemble_grain_pressure(
-    fluid_count, c, touching, on_free_surface, submerged_density, gravity, stencil, system
+    fluid_count,
+    c,
+    least_concentration,
+    on_free_surface,
+    submerged_density,
+    gravity,
+    stencil,
+    system,
 ):
     """Write the balance of the buoyant grains for every fluid, inflow and wall particle.
 
@@ -448,7 +469,7 @@ def assemble_grain_pressure(
             i,
             fluid_count,
             c,
-            touching,
+            least_concentration,
             on_free_surface,
             submerged_density,
             gravity,

@@ -23,8 +23,8 @@ Indices = NDArray[np.int32]
 
 
 # Below this the neighbors stand too nearly on a line or plane for a gradient across it.
-EDGE = 0.9  # greatest part of a unit normal at an edge; a floor may be tilted by 25 degrees
 LEAST_SPREAD = 4e-3
+EDGE = 0.9  # greatest component of a unit normal at an edge of two axis-parallel faces
 
 
 class Stencil(NamedTuple):

@@ -324,7 +324,7 @@ def _evenly_mixed(position: Floats, share: float, rng: np.random.Generator) -> N
     due = np.floor(ends * share + rounding).astype(np.int64)
     is_sediment = np.zeros(len(position), dtype=bool)
     start, placed = 0, 0
-    for end, until in zip(ends, due, strict=True):
+    for end, until in zip(ends.tolist(), due.tolist(), strict=True):
         count = min(max(until - placed, 0), end - start)
         is_sediment[order[start : start + count]] = True
         start, placed = end, placed + count

@@ -37,8 +37,9 @@ FRONT_HEAD = (
 PROFILES_HEAD = (
     "time: s; station: m, x along the bed; averages over one spacing to either side of it and",
     "  over layers one spacing thick; layers without particles are left out",
-    "y: m, middle of the layer above the fixed floor (under a bed: the bottom of its recess)",
-    "velocity: m/s, mean of the component along the bed",
+    "y: m, middle of the layer above the fixed floor (under a bed: the bottom of its recess),",
+    "  along its normal",
+    "velocity: m/s, mean of the component along the floor",
     "concentration: mean of the sediment concentrations that the particles see",
     "samples: particles in the mean",
 )
@@ -173,8 +174,8 @@ def profiles(case: tables.Case, frame: Frame, stations: Iterable[float]) -> Iter
     Yields
     ------
     tuple
-        time, s; station, m; y above the fixed floor, m; mean velocity along the bed, m/s; mean
-        concentration; number of particles.
+        time, s; station, m; y above the fixed floor along its normal, m; mean velocity along the
+        floor, m/s; mean concentration; number of particles.
     """
     d0, x = case.particles.spacing, wrapped(case, frame.position[:, 0])
     fluid = is_fluid(frame.kind)

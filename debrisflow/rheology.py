@@ -136,9 +136,9 @@ def freedom(value, limit):
 def wall_friction(height, roughness):
     """Return ``[kappa / ln(1 + 30 y / k_s)]^2``, wall stress over ``rho u^2`` at a height y.
 
-    The law of the wall over a floor of equivalent sand roughness k_s, with its origin at the height
-    k_s / 30 where the usual form, ``kappa / ln(30 y / k_s)``, has no speed left, so that it holds
-    for flows thinner than their floor is rough.
+    The law of the wall over a floor of equivalent sand roughness k_s at y > 0, with its origin at
+    the height k_s / 30 where the usual form, ``kappa / ln(30 y / k_s)``, has no speed left.  Below
+    y = k_s it is an extension that is smooth, not one that is measured.
 
     Examples
     --------

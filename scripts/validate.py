@@ -227,8 +227,8 @@ def print_flume() -> None:
     found = flume.deposit("flume_deposit2d")
     click.echo(
         f"flume_deposit2d: sediment moved in the last 2 s {found.moved.mean():.3f} d0, at most "
-        f"{found.moved.max():.2f}; {found.on_runout:.0%} of it on the run-out, surface at "
-        f"{found.slope:.1f} degrees"
+        f"{found.moved.max():.2f}; {found.on_runout:.0%} of it on the run-out, "
+        f"{found.depth:.3f} m deep, surface at {found.slope:.1f} degrees"
     )
 
 

@@ -17,7 +17,7 @@ from debrisflow.system import empty_system
 
 NOWHERE = np.zeros(3)  # periods of a domain that does not repeat
 RADII = [(2, 3.1), (2, 2.1), (3, 2.4), (3, 2.1)]  # dimension, influence radius in spacings
-NO_STRENGTH = Strength(0.0, 0.0, 0.10, 0.25, 0.005, 5e4)
+NO_STRENGTH = Strength(0.0, 0.0, 0.20, 0.35, 0.001, 1e6)
 GIDASPOW = DragLaw(0.2, 0.003, 1000.0, 1e-3, 0.55)
 WEN_YU = GIDASPOW._replace(ergun_from=np.inf)
 

@@ -50,7 +50,7 @@ Fill = tuple[Block | Bed, ...]
 TOLERANCE = 1e-6
 FEWEST_SPACINGS = 4
 FEWEST_BED_SPACINGS = 3
-LARGEST_BEND = 25.0  # degrees; more, and the floor could not be told from an edge
+LARGEST_BEND = 25.0  # degrees; its cosine is above operators.EDGE, so that a floor is no edge
 
 
 def cross_check(tables: Mapping[str, Any]) -> list[Problem]:
@@ -198,16 +198,20 @@ def runout_behind_bed(
         other = "geometry.periodic" if geometry.periodic else "geometry.weir_height"
         yield Problem(other, "leave it out where the channel has a run-out")
     bend = degrees(gravity.fall) - geometry.runout_slope
-    if not 0.0 < bend <= LARGEST_BEND:
-        message = f"the floor must bend up by at most {LARGEST_BEND} degrees, not by {bend:g}"
+    if not TOLERANCE < bend <= LARGEST_BEND + TOLERANCE:
+        message = (
+            f"the floor must bend up, by at most {LARGEST_BEND:g} degrees, and not by {bend:g}: "
+            f"give less than {degrees(gravity.fall):g} and at least "
+            f"{degrees(gravity.fall) - LARGEST_BEND:g}"
+        )
         yield Problem("geometry.runout_slope", message, geometry.runout_slope)
     behind = bed_end(geometry, particles) if geometry.bed_thickness > 0 else 0.0
     apart = max(WEIR_SPACINGS, int(particles.effective_radius) + 1)
     behind, before = behind + apart * particles.spacing, geometry.length - apart * particles.spacing
     if not behind - slack <= start <= before + slack:
         message = (
-            f"must be {apart} spacings behind the bed and before the end, "
-            f"between {behind:g} and {before:g} m"
+            f"must leave {apart} spacings behind it, and in front of it to the bed or to x = 0: "
+            f"at least {behind:g} and at most {before:g} m"
         )
         yield Problem("geometry.runout_start", message, start)
     rise = (geometry.length - start) * tan(radians(bend))
@@ -264,6 +268,10 @@ def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
             continue
         if not present[name]:
             message = f"there is no {name} wall in this {geometry.type}"
+        elif (
+            name == "floor" and isinstance(geometry, Channel) and geometry.runout_start is not None
+        ):
+            message = "a floor that bends to a run-out cannot move"
         elif wall.slip == "free-slip":
             message = "a free-slip wall drags no fluid along; set slip = 'no-slip'"
         elif along_y != 0 and name in ("floor", "ceiling"):

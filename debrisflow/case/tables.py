@@ -251,7 +251,7 @@ class Strength(Table):
     concentration_ramp: Interval = quantity(
         NONE,
         "concentrations between which the strength grows from 0 to full; "
-        "from the middle on, grains carry each other",
+        "from half of the first on, grains weigh on those below",
         (0.20, 0.35),
     )
     smallest_shear_rate: float = quantity(

@@ -20,6 +20,11 @@ class ShareOfPressure(SemiImplicit):
         buoyant = self._level_concentration * (self.case.sediment.density - water)
         p.grain_pressure[:] = 0.0
         p.grain_pressure[p.fluid] = buoyant / (buoyant + water) * p.pressure[p.fluid]
+        m = p.unknown_count
+        limit = self.case.sediment.packing_limit * (self.case.sediment.density - water)
+        p.grain_pressure[p.fluid_count : m] = (
+            limit / (limit + water) * p.pressure[p.fluid_count : m]
+        )
 
 
 class FrictionBeforeProjection(SemiImplicit):

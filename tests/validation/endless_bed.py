@@ -71,6 +71,7 @@ def start(
             geometry={"type": "channel", "length": length, "height": 0.5, "periodic": True},
             fill=fill,
             drag={"law": "gidaspow"},
+            scheme={"collision_distance": 0.7},
             strength={
                 "law": "coulomb",
                 "friction_angle": friction_angle,

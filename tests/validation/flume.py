@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
+from debrisflow.geometry import height_over_floor
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import State, initial_state
 from tests.building import advance
@@ -19,6 +20,7 @@ MOVING = 0.2  # m/s, of the front
 MIXED = 0.1  # m/s, of the layer whose concentration counts
 SAMPLE = 0.02  # s
 HEAD = 0.5  # m
+DEPOSIT = 0.3  # m
 STATIONS = (6.86, 6.88, 6.90, 6.92, 6.94)  # m, of the study in A1
 
 
@@ -223,7 +225,7 @@ def run(
 
 
 def _supplied_until(case: tables.Case, end: float) -> tables.Case:
-    """Return a case whose supply falls to nothing within a tenth of a second from ``end`` on."""
+    """Return a case whose supply falls to nothing within a fifth of a second from ``end`` on."""
     q = case.inflow.discharge if end > 0.0 else 0.0
     graph = tables.Hydrograph(
         time=(0.0, max(end, 0.1), end + 0.2), discharge=(q, q, 0.0), concentration=(0.0, 0.0, 0.0)
@@ -242,12 +244,15 @@ class Deposit:
         How far its grains moved, in spacings.
     on_runout : float
         Share of the sediment on the run-out.
+    depth : float, m
+        Just behind the bend.
     slope : float
-        Slope of the deposit's surface below the horizontal on both sides of the bend, degrees.
+        By which the surface of the first 0.3 m of it falls below the horizontal, degrees.
     """
 
     moved: Floats
     on_runout: float
+    depth: float
     slope: float
 
 
@@ -265,13 +270,19 @@ def deposit(name: str, overrides: tuple[str, ...] = (), end: float | None = None
     moved = np.linalg.norm(after.position[other] - before.position[one], axis=1)[rock]
     x, y = after.position[after.fraction > 0.0].T
     bend, d0 = case.geometry.runout_start, case.particles.spacing
-    near = np.abs(x - bend) < 0.3
-    column = (x[near] / (2 * d0)).astype(int)
-    places = np.unique(column)
-    tops = np.array([y[near][column == k].max() for k in places])
-    rise = np.degrees(np.arctan(np.polyfit((places + 0.5) * 2 * d0, tops, 1)[0]))
-    fall = np.degrees(case.gravity.fall)
-    return Deposit(moved / d0, float(np.mean(x > bend)), float(fall - rise))
+    number = ((x - bend) / (2.0 * d0)).astype(int)
+    number[x <= bend] = -1
+    places = np.arange(round(DEPOSIT / (2.0 * d0)))
+    tops = np.array([y[number == k].max(initial=0.0) for k in places])
+    middles = bend + (places + 0.5) * 2.0 * d0
+    rise = np.degrees(np.arctan(np.polyfit(middles, tops, 1)[0]))
+    depth = height_over_floor(case, middles, tops + 0.5 * d0, middles)
+    return Deposit(
+        moved / d0,
+        float(np.mean(x > bend)),
+        float(depth[:3].mean()),
+        float(np.degrees(case.gravity.fall) - rise),
+    )
 
 
 def _particles(state: State) -> Particles:

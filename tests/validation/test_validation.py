@@ -202,9 +202,9 @@ def test_an_endless_bed_slides_from_its_limit_slope_on(friction_angle, spacing):
 
 
 def test_a_bed_is_not_at_rest_where_friction_comes_before_the_projection():
-    moved = endless_bed.rest(15.0, 35.0, 0.02, scheme=controls.FrictionBeforeProjection)
-    assert moved.mean > 0.1
-    assert endless_bed.rest(15.0, 35.0, 0.02).mean < 0.1
+    other = endless_bed.rest(15.0, 35.0, 0.02, scheme=controls.FrictionBeforeProjection)
+    assert other.mean > 0.1
+    assert other.mean > 10.0 * endless_bed.rest(15.0, 35.0, 0.02).mean
 
 
 @pytest.mark.parametrize("friction_angle", [35.0, 40.0])
@@ -271,5 +271,8 @@ def test_without_drag_the_front_carries_less_sediment(debris_flow):
 def test_a_debris_flow_comes_to_rest_behind_a_bend_of_its_flume():
     found = flume.deposit("flume_deposit2d")
     assert found.moved.mean() < 0.1
-    assert found.on_runout > 0.05
-    assert 3.0 < found.slope < 15.0
+    assert found.moved.max() < 1.0
+    assert found.on_runout > 0.1
+    # several particles thick, and thinning downstream; no steeper than a bed can be
+    assert found.depth > 0.03
+    assert 4.0 < found.slope < 18.4
