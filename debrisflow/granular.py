@@ -19,7 +19,6 @@ from debrisflow.operators import (
 )
 
 Floats = NDArray[np.float64]
-ROW_BELOW = 1.5  # spacings within which the row below a free surface stands
 
 
 class Grains(NamedTuple):
@@ -353,40 +352,31 @@ def largest_collision_step(
 
 
 @kernel
-def surface_load_at(i, fluid_count, gravity, stencil):
-    """Return what a free-surface particle has to carry above its center, m2/s2.
+def covered_depth_at(i, fluid_count, gravity, stencil):
+    """Return what a free-surface particle has to carry of the rows above its center, m.
 
-    ``g cos(theta)`` times half of its own row and what its row lies nearer than d0 to the row
-    below: the pressure of the fluid lets the uppermost row sink by about a quarter of a spacing,
-    and that much of the weight would be missing in every row below.  Along the normal of the
-    surface, the direction in which the neighbors stand; a wall that rises above it does not count.
+    Half of its own row, and what its row lies nearer than d0 to the row below: the pressure of the
+    fluid lets the uppermost row sink by about a quarter of a spacing, and that much of the weight
+    would be missing in every row below.
+
+    Along gravity, since the normal of a row as uneven as that of a bed is known to some ten degrees
+    only, and loads along it come out a third of a row too small.  On an even surface at an angle
+    theta this is ``1.5 d0 (1 - cos theta)`` too much, 0.05 d0 at 15 degrees.
     """
     d0 = stencil.spacing
-    x, y, z = 0.0, 0.0, 0.0
+    g = np.sqrt(gravity[0] ** 2 + gravity[1] ** 2 + gravity[2] ** 2)
+    nearest = d0
     for k in range(stencil.neighbor_count[i]):
-        down = gravity[0] * stencil.dx[i, k]
-        down += gravity[1] * stencil.dy[i, k] + gravity[2] * stencil.dz[i, k]
-        if stencil.neighbors[i, k] >= fluid_count and down < 0.0:
+        if stencil.neighbors[i, k] >= fluid_count or g == 0.0:
             continue
-        inverse = stencil.inverse[i, k]
-        w = (stencil.effective_radius * inverse - 1.0) * inverse
-        x += w * stencil.dx[i, k]
-        y += w * stencil.dy[i, k]
-        z += w * stencil.dz[i, k]
-    length = np.sqrt(x * x + y * y + z * z)
-    if length == 0.0:
-        return 0.0
-    x, y, z = x / length, y / length, z / length
-    weight = max(gravity[0] * x + gravity[1] * y + gravity[2] * z, 0.0)
-    total, count = 0.0, 0.0
-    for k in range(stencil.neighbor_count[i]):
-        inverse = stencil.inverse[i, k]
-        below = x * stencil.dx[i, k] + y * stencil.dy[i, k] + z * stencil.dz[i, k]
-        if inverse * ROW_BELOW * d0 > 1.0 and below * inverse > 0.7:
-            total += below
-            count += 1.0
-    gap = total / count if count > 0.0 else d0
-    return weight * (0.5 * d0 + max(d0 - gap, 0.0))
+        below = (
+            gravity[0] * stencil.dx[i, k]
+            + gravity[1] * stencil.dy[i, k]
+            + gravity[2] * stencil.dz[i, k]
+        ) / g
+        if below * stencil.inverse[i, k] > 0.7:
+            nearest = min(nearest, below)
+    return 1.5 * d0 - nearest
 
 
 @kernel
@@ -420,8 +410,9 @@ def grain_pressure_row_at(
     if is_fluid and c[i] < least_concentration:
         return
     if is_fluid and on_free_surface[i]:
-        load = surface_load_at(i, fluid_count, gravity, stencil)
-        system.right[i] = c[i] * submerged_density * load
+        g = np.sqrt(gravity[0] ** 2 + gravity[1] ** 2 + gravity[2] ** 2)
+        depth = covered_depth_at(i, fluid_count, gravity, stencil)
+        system.right[i] = c[i] * submerged_density * g * depth
         return
     diagonal, right = 0.0, 0.0
     for k in range(stencil.unknown_count[i]):

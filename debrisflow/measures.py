@@ -137,9 +137,8 @@ def deposit_profile(
     particle, sees a concentration of 0.3 or more.  The deposit grows from the floor from one
     deposited particle to the next higher one of the bin, whichever column it stands in, until the
     next is more than 1.5 d0 higher: a layer without any ends it, a single particle that flows or
-    stands among water does not.  (The concentration seen by a particle of a random bed scatters
-    widely: if any such particle ended the deposit, a bed of half water and half sediment ten
-    particles deep would be measured at 0.6 of its depth instead of 0.9.)
+    stands among water does not.  (The concentration seen by a particle of a mixed bed scatters: if
+    any such particle ended the deposit, it would be measured too thin.)
 
     The flow reaches up to the highest particle with n >= 0.5 n0, so that drops do not count.
 

@@ -174,7 +174,7 @@ def test_drag_brings_phases_that_pass_each_other_to_a_common_velocity():
             exact, time = exact - dt * rate * exact, time + dt
         p = state.particles
         carried = p.relative_velocity[p.fluid, 0].mean()
-        # C varies from place to place in a random mix, and K with it
+        # C varies from place to place in a mix, and K with it
         assert carried == pytest.approx(exact, rel=0.10)
         # the velocities of the particles follow but for their collisions
         assert slip_of(p) == pytest.approx(exact, abs=0.1 * start)

@@ -15,7 +15,7 @@ from tests.building import advance
 
 Floats = NDArray[np.float64]
 ROCK, WATER = 2650.0, 1000.0
-SETTLING, REST = 0.5, 2.0
+SETTLING, REST = 1.0, 2.0
 MOVING = 0.05  # m/s
 
 
@@ -91,7 +91,7 @@ def rest(
     rows: int = 10,
     scheme: type[SemiImplicit] = SemiImplicit,
 ) -> Rest:
-    """Return how far the particles of a bed move in 2 s once it has settled for half a second."""
+    """Return how far the particles of a bed move in 2 s once it has settled for a second."""
     solver, state = start(slope, friction_angle, spacing, rows, scheme=scheme)
     path = np.zeros((state.particles.fluid_count, 2))
     advance(solver, state, until=SETTLING)

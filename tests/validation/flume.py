@@ -21,6 +21,7 @@ MIXED = 0.1  # m/s, of the layer whose concentration counts
 SAMPLE = 0.02  # s
 HEAD = 0.5  # m
 DEPOSIT = 0.3  # m
+DEPOSITED = 0.3  # concentration, as in deposit.csv
 STATIONS = (6.86, 6.88, 6.90, 6.92, 6.94)  # m, of the study in A1
 
 
@@ -241,7 +242,7 @@ class Deposit:
     Attributes
     ----------
     moved : (n,) float64 array
-        How far its grains moved, in spacings.
+        How far its grains moved, in spacings; grains in a film of water do not belong to it.
     on_runout : float
         Share of the sediment on the run-out.
     depth : float, m
@@ -266,8 +267,8 @@ def deposit(name: str, overrides: tuple[str, ...] = (), end: float | None = None
     advance(scheme, state, until=end)
     after = _particles(state)
     _, one, other = np.intersect1d(before.id, after.id, return_indices=True)
-    rock = after.fraction[other] > 0.0
-    moved = np.linalg.norm(after.position[other] - before.position[one], axis=1)[rock]
+    deposited = (after.fraction[other] > 0.0) & (before.concentration[one] >= DEPOSITED)
+    moved = np.linalg.norm(after.position[other] - before.position[one], axis=1)[deposited]
     x, y = after.position[after.fraction > 0.0].T
     bend, d0 = case.geometry.runout_start, case.particles.spacing
     number = ((x - bend) / (2.0 * d0)).astype(int)

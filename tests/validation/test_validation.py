@@ -191,8 +191,7 @@ def test_the_splash_of_a_dam_break_stays_in_the_tank():
     assert found.energy.max() < 1.005
 
 
-@pytest.mark.parametrize("friction_angle", [30.0, 35.0])
-@pytest.mark.parametrize("spacing", [0.02, 0.01])
+@pytest.mark.parametrize(("friction_angle", "spacing"), [(30.0, 0.02), (35.0, 0.01)])
 def test_an_endless_bed_slides_from_its_limit_slope_on(friction_angle, spacing):
     limit = endless_bed.limit_slope(friction_angle)
     below = endless_bed.rest(limit - 1.0, friction_angle, spacing)
@@ -258,20 +257,24 @@ def test_the_flow_of_the_flume_carries_sediment_under_water(debris_flow):
         assert 0.1 < found["above"] < 0.6
 
 
-def test_where_water_counts_as_load_of_the_grains_the_flow_takes_up_little(debris_flow):
-    other = flume.run("flume2d", end=6.0, scheme=controls.ShareOfPressure)
-    assert other.concentrations(6.0)["above"] < 0.3 * debris_flow.concentrations(6.0)["above"]
+def test_where_water_counts_as_load_of_the_grains_the_flow_erodes_less(debris_flow):
+    other = flume.run("flume2d", scheme=controls.ShareOfPressure)
+    assert other.eroded() < 0.75 * debris_flow.eroded()
 
 
 def test_without_drag_the_front_carries_less_sediment(debris_flow):
     other = flume.run("flume2d", ("drag.law=none",), end=6.0)
-    assert other.concentrations(6.0)["above"] < debris_flow.concentrations(6.0)["above"]
+    times = (5.0, 5.5, 6.0)
+    above = [
+        np.mean([found.concentrations(time)["above"] for time in times])
+        for found in (other, debris_flow)
+    ]
+    assert above[0] < 0.75 * above[1]
 
 
 def test_a_debris_flow_comes_to_rest_behind_a_bend_of_its_flume():
     found = flume.deposit("flume_deposit2d")
     assert found.moved.mean() < 0.1
-    assert found.moved.max() < 1.0
     assert found.on_runout > 0.1
     # several particles thick, and thinning downstream; no steeper than a bed can be
     assert found.depth > 0.03
