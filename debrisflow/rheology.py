@@ -143,6 +143,6 @@ def wall_friction(height, roughness):
     Examples
     --------
     >>> round(wall_friction(0.01, 0.001), 5)
-    0.00515
+    0.00516
     """
     return (KARMAN / np.log(1.0 + 30.0 * height / roughness)) ** 2

@@ -218,11 +218,12 @@ def print_flume() -> None:
         "A1, load of the grains as a share of the pressure",
         flume.run("flume2d", scheme=controls.ShareOfPressure),
     )
-    off = flume.run("flume2d", end=12.5, supply_until=5.5)
-    depths = still_depths(off, 12.5, np.arange(2.0, 7.1, 0.5))
+    off = flume.run("flume2d", end=16.5, supply_until=5.5)
+    depths = still_depths(off, 16.5, np.arange(2.0, 7.1, 0.5))
     click.echo(
-        f"A1, supply off at 5.5 s: moved at 10.5 to 12.5 s {off.rested(10.5, 12.5).mean():.3f} d0, "
-        f"depth of sediment by half meters from 2 m: {depths.tolist()} m"
+        f"A1, supply off at 5.5 s: the deposit moved {off.rested(10.5, 12.5).mean():.3f} d0 from "
+        f"10.5 to 12.5 s and {off.rested(14.5, 16.5).mean():.3f} d0 from 14.5 to 16.5 s; its depth "
+        f"by half meters from 2 m: {depths.tolist()} m"
     )
     found = flume.deposit("flume_deposit2d")
     click.echo(

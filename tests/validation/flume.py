@@ -82,10 +82,10 @@ class Flume:
         return np.linalg.norm(step[kept < self.bed], axis=1) / self.case.particles.spacing
 
     def rested(self, start: float, end: float) -> Floats:
-        """Return how far the sediment that is there at both times moved, in spacings."""
+        """Return how far the deposited sediment moved between two frames, in spacings."""
         before, after = self.frames[start], self.frames[end]
         _, one, other = np.intersect1d(before.id, after.id, return_indices=True)
-        rock = after.fraction[other] > 0.0
+        rock = (after.fraction[other] > 0.0) & (before.concentration[one] >= DEPOSITED)
         step = after.position[other][rock] - before.position[one][rock]
         return np.linalg.norm(step, axis=1) / self.case.particles.spacing
 
