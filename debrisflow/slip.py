@@ -245,8 +245,8 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
     that is the greatest ``(owed_i - owed_j - r_ij) . r_ij > 0``, where it finds room; each particle
     at most once.  Grains that touch others do not, nor does the water between them, so that a bed
     rests and packs no further.  For a grain that is held (see :func:`room_at`) more room has to
-    open, as static friction would have it.  One after
-    the other in the order of the rows, so that the result does not depend on threads.
+    open, as static friction would have it.  One after the other in the order of the rows, so that
+    the result does not depend on threads.
     """
     partner[:] = -1
     for i in range(partner.size):

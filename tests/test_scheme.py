@@ -34,6 +34,7 @@ from tests.building import (
 )
 from tests.test_checkpoint import identical
 
+# hundreds of whole steps: the same code runs, compiled, in every run without coverage of kernels
 compiled = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="takes minutes without the JIT")
 
 
@@ -256,6 +257,7 @@ def dam_break(**tables):
 
 
 @compiled
+# with one core there is no second thread whose bits could be compared
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="needs two threads")
 @pytest.mark.parametrize("case", [dam_break, bed_case, settling_case])
 def test_two_threads_compute_the_same_bits_as_one(case, exchanges):

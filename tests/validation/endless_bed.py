@@ -21,7 +21,7 @@ MOVING = 0.05  # m/s
 
 @dataclass
 class Rest:
-    """How far bed particles moved in 2 s, in spacings, and the share of sediment in the bed."""
+    """How far the particles of a bed moved in 2 s, in spacings."""
 
     mean: float
     greatest: float
