@@ -139,6 +139,23 @@ def height_over_floor(case: tables.Case, x: Floats, y: Floats, at: Floats) -> Fl
     return (y - floor_level(case, at) - np.tan(bend) * (x - at)) * np.cos(bend)
 
 
+def floor_roughness(case: tables.Case, x: Floats) -> Floats:
+    """Return the roughness of the fixed floor at x, under a bed that of its recess, m.
+
+    Infinite where the floor is free-slip.
+    """
+    floor, bed = (
+        np.inf if wall.slip == "free-slip" else wall.roughness
+        for wall in (case.walls.floor, case.walls.bed)
+    )
+    shape, x = case.geometry, np.asarray(x, dtype=float)
+    if isinstance(shape, tables.Tank) or shape.bed_end is None or shape.bed_thickness == 0.0:
+        return np.full_like(x, floor)
+    if shape.periodic:
+        x = np.mod(x, shape.length)
+    return np.where((x >= shape.bed_start) & (x < shape.bed_end), bed, floor)
+
+
 def walls(case: tables.Case) -> WallPoints:
     """Return the wall particles of a case, every layer that the fluid can feel."""
     shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
@@ -249,8 +266,10 @@ def _channel_cells(
         level[x >= end] = _cells(shape.weir_height, d0)
     solid = y[None, :] < level[:, None]
     name = np.where(solid, FLOOR, -1)
-    in_bed = (x >= start - layers) & (x < end + layers) & (recess > 0)
-    name[np.ix_(in_bed, y < 0)] = np.where(solid[np.ix_(in_bed, y < 0)], BED, -1)
+    if recess > 0:
+        # beside the recess what is nearer to its step than to the floor belongs to the bed
+        aside = np.maximum(np.maximum(start - x, x - end + 1), 0)
+        name[solid & (aside[:, None] < -y[None, :]) & (aside[:, None] <= layers)] = BED
     if not shape.periodic:
         name[np.ix_(x >= end, y >= 0)] = np.where(solid[np.ix_(x >= end, y >= 0)], RIGHT, -1)
         # the supply comes through an opening in the wall, so that nothing flows back over it

@@ -56,9 +56,30 @@ class DragLaw(NamedTuple):
 
 
 @kernel
-def turbulent_viscosity(density, shear_rate, strength):
-    """Return Prandtl's ``rho l^2 shear_rate``, Pa s, with the mixing length l of the case."""
-    return density * strength.mixing_length**2 * shear_rate
+def mixing_length(limit, height, roughness):
+    """Return ``min(l, kappa (y + k_s / 30))``, m, the mixing length at a height y over a floor.
+
+    ``limit`` is the l of the case.  Near a floor the length is that whose flow has the profile of
+    :func:`wall_friction`, so that the stress on a rough floor and that within the flow do not
+    depend on the height of the lowest row.  An infinite roughness leaves l as it is.
+
+    References
+    ----------
+    Escudier 1966, The distribution of mixing-length in turbulent flows near walls, Imperial
+    College, London, report TWF/TN/1.
+
+    Examples
+    --------
+    >>> mixing_length(0.01, 1.0, 0.03), round(mixing_length(0.01, 0.001, 0.03), 5)
+    (0.01, 0.00082)
+    """
+    return min(limit, KARMAN * (height + roughness / 30.0))
+
+
+@kernel
+def turbulent_viscosity(density, length, shear_rate):
+    """Return Prandtl's ``rho l^2 shear_rate``, Pa s."""
+    return density * length**2 * shear_rate
 
 
 @kernel

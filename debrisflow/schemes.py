@@ -261,19 +261,31 @@ class SemiImplicit:
             self._slip.observe(p, self._stencil)
             self._mixture_velocity = p.velocity.copy()
             self._mixture_velocity[p.fluid] -= self._slip.velocity
-        self._shear_rate, self._level_concentration = np.zeros((2, n))
+        self._shear_rate, self._level_concentration, self._turbulent_viscosity = np.zeros((3, n))
         if self._has_strength and n > 0:
-            fractions = p.sediment_fraction
-            for _ in range(2):
-                at_level = np.zeros(n)
-                granular.level_concentration(n, fractions, self._down, self._stencil, at_level)
-                fractions = at_level
-            self._level_concentration = at_level
-            operators.shear_rate(
-                self._mixture_velocity, self._walls, self._stencil, self._shear_rate
-            )
+            self._observe_strength(p)
         if self._has_collisions:
             self._observe_collisions(p)
+
+    def _observe_strength(self, p: Particles) -> None:
+        """Find what friction and turbulence depend on."""
+        n, case = p.fluid_count, self.case
+        fractions = p.sediment_fraction
+        for _ in range(2):
+            at_level = np.zeros(n)
+            granular.level_concentration(n, fractions, self._down, self._stencil, at_level)
+            fractions = at_level
+        self._level_concentration = at_level
+        operators.shear_rate(self._mixture_velocity, self._walls, self._stencil, self._shear_rate)
+        x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
+        momentum.find_turbulent_viscosity(
+            p.density,
+            self._shear_rate,
+            np.maximum(geometry.height_over_floor(case, x, y, x), 0.5 * self.lattice.spacing),
+            geometry.floor_roughness(case, x),
+            self._strength,
+            self._turbulent_viscosity,
+        )
 
     def _observe_collisions(self, p: Particles) -> None:
         """Find the stress of colliding grains; slip, which is no agitation, does not count."""
@@ -316,6 +328,7 @@ class SemiImplicit:
             velocity,
             p.density,
             self._viscosity[p.kind],
+            self._turbulent_viscosity,
             self._level_concentration,
             self._shear_rate,
             p.grain_pressure,

@@ -96,13 +96,13 @@ def exchange_system(stencil, velocity, density, dt, strength=NO_STRENGTH, **fiel
     All particles are fluid; fields that are not given are 0.
     """
     count = len(velocity)
-    names = ("viscosity", "c", "shear_rate", "grain_pressure")
-    viscosity, c, shear_rate, grain_pressure = (fields.get(n, np.zeros(count)) for n in names)
+    names = ("viscosity", "turbulent_viscosity", "concentration", "shear_rate", "grain_pressure")
+    matter = momentum.Matter(velocity, density, *(fields.get(n, np.zeros(count)) for n in names))
     system, right = empty_system(stencil.neighbors), np.zeros((count, 3))
     momentum.assemble_exchange(
         dt,
         count,
-        momentum.Matter(velocity, density, viscosity, c, shear_rate, grain_pressure),
+        matter,
         strength,
         no_walls(count),
         stencil,

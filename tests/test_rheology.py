@@ -30,10 +30,25 @@ def test_harmonic_mean_is_that_of_two_layers_in_series():
 
 
 def test_turbulent_viscosity_is_that_of_a_mixing_length():
-    found = rheology.turbulent_viscosity(1000.0, 5.0, STRENGTH)
+    found = rheology.turbulent_viscosity(1000.0, 0.006, 5.0)
     assert found == pytest.approx(1000.0 * 0.006**2 * 5.0)
-    assert rheology.turbulent_viscosity(1000.0, 0.0, STRENGTH) == 0.0
-    assert rheology.turbulent_viscosity(1000.0, 5.0, NO_STRENGTH) == 0.0
+    assert rheology.turbulent_viscosity(1000.0, 0.006, 0.0) == 0.0
+    assert rheology.turbulent_viscosity(1000.0, 0.0, 5.0) == 0.0
+
+
+def test_the_mixing_length_over_a_rough_floor_makes_the_law_of_the_wall():
+    # rho l^2 (du/dy)^2 = rho u*^2 gives u = u* / kappa ln(1 + 30 y / k_s)
+    y, roughness, step = np.linspace(0.001, 0.02, 20), 0.01, 1e-7
+    speed = [1.0 / np.sqrt(rheology.wall_friction(height, roughness)) for height in y]
+    above = [1.0 / np.sqrt(rheology.wall_friction(height + step, roughness)) for height in y]
+    length = [rheology.mixing_length(1.0, height, roughness) for height in y]
+    np.testing.assert_allclose(length * np.subtract(above, speed) / step, 1.0, rtol=1e-4)
+
+
+def test_the_mixing_length_of_the_case_is_the_greatest():
+    assert rheology.mixing_length(0.006, 0.5, 0.01) == 0.006
+    assert rheology.mixing_length(0.006, 1e-6, np.inf) == 0.006
+    assert rheology.mixing_length(0.0, 0.01, 0.01) == 0.0
 
 
 @pytest.mark.parametrize("pressure", [1.0, 300.0, 1e4])
@@ -169,7 +184,8 @@ def test_what_one_particle_loses_the_other_gains():
         0.01,
         STRENGTH,
         viscosity=rng.uniform(0, 10.0, 150),
-        c=rng.uniform(0, 0.5, 150),
+        turbulent_viscosity=rng.uniform(0, 10.0, 150),
+        concentration=rng.uniform(0, 0.5, 150),
         shear_rate=rng.uniform(0, 50.0, 150),
         grain_pressure=rng.uniform(0, 1e3, 150),
     )

@@ -133,7 +133,7 @@ class Wall(Table):
     velocity: Vector = quantity("m/s", "velocity of the wall along itself", (0.0, 0.0))
     roughness: float = quantity(
         "m",
-        "equivalent sand roughness of the law of the wall; 0 for no turbulent friction",
+        "equivalent sand roughness of the law of the wall; 0 for no law of the wall",
         0.0,
         ge=0,
     )
@@ -247,7 +247,13 @@ class Strength(Table):
 
     law: Literal["none", "coulomb"] = quantity(NONE, "strength of the bed", "none")
     friction_angle: float = quantity("degree", "angle of internal friction", 35.0, gt=0, lt=90)
-    mixing_length: float = quantity("m", "length of the turbulent viscosity", 0.0, ge=0)
+    mixing_length: float = quantity(
+        "m",
+        "greatest mixing length of the turbulent viscosity; kappa times the height over a no-slip "
+        "floor where that is less",
+        0.0,
+        ge=0,
+    )
     concentration_ramp: Interval = quantity(
         NONE,
         "concentrations between which the strength grows from 0 to full; "

@@ -13,6 +13,7 @@ from tests.validation import (
     flume,
     granular_shear,
     hydrostatic,
+    rough_film,
     settling,
     viscous,
 )
@@ -189,6 +190,12 @@ def test_the_splash_of_a_dam_break_stays_in_the_tank():
     found = dam_break.run(32, end=2.0)
     assert found.state.through_wall.sum() == 0
     assert found.energy.max() < 1.005
+
+
+@pytest.mark.parametrize("rows", [1, 2, 4, 8])
+def test_a_turbulent_film_is_as_fast_in_rows_of_any_height(rows):
+    film = (0.026, 0.09, 0.009)  # of the supply of flume2d
+    assert rough_film.run(rows, *film) == pytest.approx(rough_film.mean_speed(*film), rel=0.12)
 
 
 @pytest.mark.parametrize(("friction_angle", "spacing"), [(30.0, 0.02), (35.0, 0.01)])
