@@ -27,6 +27,7 @@ from tests.validation import (
     flume,
     granular_shear,
     hydrostatic,
+    rough_film,
     settling,
     viscous,
 )
@@ -63,6 +64,13 @@ def print_viscous() -> None:
             viscous.error(flow, 20, u, (0.05, 0.1, 0.2, 0.5, 1.0)) for u in (1.25e-5, 1.25e-3)
         ]
         click.echo(f"{flow}, 20 rows: {errors[0]:.2%}; rows pass each other: {errors[1]:.2%}")
+    for film in ((0.026, 0.095, 0.0095), (0.026, 0.003, 0.004)):
+        exact = rough_film.mean_speed(*film)
+        found = [f"{rough_film.run(rows, *film) / exact - 1.0:+.0%}" for rows in (1, 2, 4, 8, 16)]
+        click.echo(
+            f"turbulent film {film[0]} m deep, roughness {film[1]} m, mixing length {film[2]} m: "
+            f"mean speed in 1, 2, 4, 8, 16 rows against {exact:.3f} m/s: {', '.join(found)}"
+        )
 
 
 def print_dam_break() -> None:
@@ -219,11 +227,12 @@ def print_flume() -> None:
         flume.run("flume2d", scheme=controls.ShareOfPressure),
     )
     off = flume.run("flume2d", end=16.5, supply_until=5.5)
-    depths = still_depths(off, 16.5, np.arange(2.0, 7.1, 0.5))
+    depths = flume.still_depths(off, 16.5, np.arange(2.0, 7.1, 0.5))
     click.echo(
         f"A1, supply off at 5.5 s: the deposit moved {off.rested(10.5, 12.5).mean():.3f} d0 from "
-        f"10.5 to 12.5 s and {off.rested(14.5, 16.5).mean():.3f} d0 from 14.5 to 16.5 s; its depth "
-        f"by half meters from 2 m: {depths.tolist()} m"
+        f"10.5 to 12.5 s, {off.rested(12.5, 14.5).mean():.3f} d0 from 12.5 to 14.5 s and "
+        f"{off.rested(14.5, 16.5).mean():.3f} d0 from 14.5 to 16.5 s; its depth "
+        f"by half meters from 2 m: {depths.round(3).tolist()} m"
     )
     found = flume.deposit("flume_deposit2d")
     click.echo(
@@ -231,15 +240,6 @@ def print_flume() -> None:
         f"{found.moved.max():.2f}; {found.on_runout:.0%} of it on the run-out, "
         f"{found.depth:.3f} m deep, surface at {found.slope:.1f} degrees"
     )
-
-
-def still_depths(found: flume.Flume, time: float, edges: np.ndarray) -> np.ndarray:
-    """Return the volume of a bed's sediment, pores included, by its length, m."""
-    frame = found.frames[time]
-    count = np.histogram(frame.position[frame.fraction > 0.0, 0], edges)[0]
-    limit = found.case.sediment.packing_limit
-    depth = count * found.case.particles.spacing**2 / limit / np.diff(edges)
-    return depth.round(3)
 
 
 def print_fine_flume() -> None:
@@ -270,10 +270,10 @@ def print_short_flume() -> None:
             f"(Takahashi 0.376); {found.through_wall} through walls"
         )
     off = flume.run("bed_erosion2d", end=9.0, width=0.05, depth=0.002, supply_until=2.0)
-    depths = still_depths(off, 9.0, np.arange(0.1, 1.0, 0.2))
+    depths = flume.still_depths(off, 9.0, np.arange(0.1, 1.0, 0.2))
     click.echo(
         f"A3, supply off at 2 s: moved at 7 to 9 s {off.rested(7.0, 9.0).mean():.3f} d0, depth of "
-        f"sediment by 0.2 m from 0.1 m: {depths.tolist()} m"
+        f"sediment by 0.2 m from 0.1 m: {depths.round(3).tolist()} m"
     )
 
 

@@ -235,6 +235,14 @@ def _supplied_until(case: tables.Case, end: float) -> tables.Case:
     return case.model_copy(update={"inflow": supply})
 
 
+def still_depths(found: Flume, time: float, edges: Floats) -> Floats:
+    """Return the volume of a bed's sediment, pores included, by its length between edges, m."""
+    frame = found.frames[time]
+    count = np.histogram(frame.position[frame.fraction > 0.0, 0], edges)[0]
+    limit = found.case.sediment.packing_limit
+    return count * found.case.particles.spacing**2 / limit / np.diff(edges)
+
+
 @dataclass
 class Deposit:
     """A deposit in the last two seconds of a run.
