@@ -142,18 +142,20 @@ def height_over_floor(case: tables.Case, x: Floats, y: Floats, at: Floats) -> Fl
 def floor_roughness(case: tables.Case, x: Floats) -> Floats:
     """Return the roughness of the fixed floor at x, under a bed that of its recess, m.
 
-    Infinite where the floor is free-slip.
+    Infinite where the floor has none, so that no law of the wall acts.
     """
-    floor, bed = (
-        np.inf if wall.slip == "free-slip" else wall.roughness
-        for wall in (case.walls.floor, case.walls.bed)
-    )
     shape, x = case.geometry, np.asarray(x, dtype=float)
-    if isinstance(shape, tables.Tank) or shape.bed_end is None or shape.bed_thickness == 0.0:
-        return np.full_like(x, floor)
-    if shape.periodic:
-        x = np.mod(x, shape.length)
-    return np.where((x >= shape.bed_start) & (x < shape.bed_end), bed, floor)
+    roughness = np.full_like(x, case.walls.floor.roughness)
+    if isinstance(shape, tables.Channel):
+        assert shape.bed_end is not None
+        if shape.periodic:
+            x = np.mod(x, shape.length)
+        elif shape.weir_height > 0.0:
+            roughness[x >= shape.bed_end] = case.walls.right.roughness
+        if shape.bed_thickness > 0.0:
+            in_bed = (x >= shape.bed_start) & (x < shape.bed_end)
+            roughness[in_bed] = case.walls.bed.roughness
+    return np.where(roughness > 0.0, roughness, np.inf)
 
 
 def walls(case: tables.Case) -> WallPoints:
@@ -268,8 +270,12 @@ def _channel_cells(
     name = np.where(solid, FLOOR, -1)
     if recess > 0:
         # beside the recess what is nearer to its step than to the floor belongs to the bed
-        aside = np.maximum(np.maximum(start - x, x - end + 1), 0)
-        name[solid & (aside[:, None] < -y[None, :]) & (aside[:, None] <= layers)] = BED
+        shifts = (-length, 0, length) if shape.periodic else (0,)
+        aside = np.min(
+            [np.maximum(np.maximum(start - x - s, x + s - end + 1), 0) for s in shifts], 0
+        )
+        below = -y[None, :] - (level[:, None] <= 0)
+        name[solid & (aside[:, None] <= np.minimum(below, layers))] = BED
     if not shape.periodic:
         name[np.ix_(x >= end, y >= 0)] = np.where(solid[np.ix_(x >= end, y >= 0)], RIGHT, -1)
         # the supply comes through an opening in the wall, so that nothing flows back over it

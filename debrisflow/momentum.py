@@ -49,13 +49,15 @@ class Matter(NamedTuple):
 
 
 @loop
-def find_turbulent_viscosity(density, shear_rate, height, roughness, strength, viscosity):
+def turbulent_viscosities(density, shear_rate, height, roughness, greatest_length, viscosity):
     """Write Prandtl's viscosity with the mixing length over the floor, (n,) float64 array, Pa s.
 
-    ``height`` and ``roughness``, m, are those over and of the floor under every particle.
+    ``height`` and ``roughness``, m, are those over and of the floor under every particle.  In the
+    lowest row the shear rate is that of a linear profile down to the floor, up to twice that of the
+    law of the wall; it makes up for part of what :func:`exchange_row_at` lacks there.
     """
     for i in prange(viscosity.size):
-        length = mixing_length(strength.mixing_length, height[i], roughness[i])
+        length = mixing_length(greatest_length, height[i], roughness[i])
         viscosity[i] = turbulent_viscosity(density[i], length, shear_rate[i])
 
 
@@ -117,7 +119,7 @@ def exchange_row_at(i, dt, fluid_count, matter, strength, walls, stencil, system
     velocity; a wall's is mirrored as in :func:`velocity_difference`, and with a free-slip wall
     nothing is exchanged.  With a rough wall turbulence exchanges nothing here: that is the law of
     the wall, see :func:`rub_at`.  Between the lowest two rows the pairs that would reach into the
-    wall are missing, so that a profile rises there by 1.4 times what it should.
+    wall are missing, so that a profile of even viscosity rises there by half more than it should.
     Before the projection the same friction would leave the noise of the pressure in the bed and
     fluidize it.
     """

@@ -19,6 +19,7 @@ class Strength(NamedTuple):
     friction : float
         Tangent of the friction angle; 0 switches the friction off.
     mixing_length : float, m
+        The greatest, see :func:`mixing_length`.
     ramp_start, ramp_end : float
         Concentrations between which the friction grows from nothing to full.
     smallest_shear_rate : float, 1/s
@@ -59,14 +60,15 @@ class DragLaw(NamedTuple):
 def mixing_length(limit, height, roughness):
     """Return ``min(l, kappa (y + k_s / 30))``, m, the mixing length at a height y over a floor.
 
-    ``limit`` is the l of the case.  Near a floor the length is that whose flow has the profile of
-    :func:`wall_friction`, so that the stress on a rough floor and that within the flow do not
-    depend on the height of the lowest row.  An infinite roughness leaves l as it is.
+    ``limit`` is the l of the case.  Near a rough floor, where the stress is that on the floor, the
+    length makes the profile of :func:`wall_friction`, so that the stress on the floor and that
+    within the flow do not depend on the height of the lowest row.  An infinite roughness leaves l
+    as it is.
 
     References
     ----------
     Escudier 1966, The distribution of mixing-length in turbulent flows near walls, Imperial
-    College, London, report TWF/TN/1.
+    College, London (the greatest length).
 
     Examples
     --------

@@ -278,12 +278,12 @@ class SemiImplicit:
         self._level_concentration = at_level
         operators.shear_rate(self._mixture_velocity, self._walls, self._stencil, self._shear_rate)
         x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
-        momentum.find_turbulent_viscosity(
+        momentum.turbulent_viscosities(
             p.density,
             self._shear_rate,
             np.maximum(geometry.height_over_floor(case, x, y, x), 0.5 * self.lattice.spacing),
             geometry.floor_roughness(case, x),
-            self._strength,
+            self._strength.mixing_length,
             self._turbulent_viscosity,
         )
 

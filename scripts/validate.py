@@ -265,7 +265,7 @@ def print_short_flume() -> None:
         left = found.left[-1]
         click.echo(
             f"A3, d0 = {spacing} m: front at 1.03, 2.03, 3.5 s {front.tolist()} m; 0.3, 0.5, 0.7 "
-            f"and 0.9 m at {arrivals} s; bed moved {found.moved(0.0, 0.4).max():.2f} d0 in 0.4 s; "
+            f"and 0.9 m at {arrivals} s; bed moved {found.moved(0.0, 0.2).max():.2f} d0 in 0.2 s; "
             f"sediment of what left by 3.5 s {left[1] / max(left.sum(), 1):.2f} "
             f"(Takahashi 0.376); {found.through_wall} through walls"
         )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from debrisflow import geometry
-from debrisflow.case import Case, tables
+from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.measures import deposit_profile
 from debrisflow.particles import Kind
@@ -39,26 +39,41 @@ def test_the_floor_of_a_runout_lies_at_its_slope():
     np.testing.assert_allclose(level, [0.0, 0.0, 0.5 * np.tan(np.radians(12.0))], atol=1e-12)
 
 
-@pytest.mark.parametrize("periodic", [False, True])
-def test_the_roughness_under_a_point_is_that_of_the_wall_below_it(periodic):
-    channel = {"type": "channel", "length": 2.0, "height": 0.5, "periodic": periodic}
-    bed = {"bed_start": 0.5, "bed_end": 1.5, "bed_thickness": 0.1}
-    walls = {"floor": {"roughness": 0.01}, "bed": {"roughness": 0.002}}
-    case = bent_channel(walls=walls)
-    assert np.all(geometry.floor_roughness(case, np.array([0.5, 1.5])) == 0.01)
-    slippery = bent_channel(walls={"floor": {"slip": "free-slip"}})
-    assert np.all(np.isinf(geometry.floor_roughness(slippery, np.array([0.5, 1.5]))))
-    case = case.model_copy(
-        update={"geometry": tables.Channel.model_validate(channel | bed), "gravity": None}
+CHANNELS = {
+    "weir": {"bed_start": 0.5, "bed_end": 1.5, "weir_height": 0.1},
+    "level": {"bed_start": 0.5, "bed_end": 1.5},
+    "periodic": {"bed_start": 0.0, "bed_end": 1.5, "periodic": True},
+}
+
+
+@pytest.mark.parametrize("kind", CHANNELS)
+def test_the_roughness_under_a_point_is_that_of_the_wall_below_it(kind):
+    roughness = {"floor": 0.01, "bed": 0.002, "right": 0.003}
+    channel = {"type": "channel", "length": 2.0, "height": 0.5, "bed_thickness": 0.1}
+    case = complete(
+        Case(
+            title="recess",
+            particles={"spacing": D0},
+            geometry=channel | CHANNELS[kind],
+            walls={name: {"roughness": value} for name, value in roughness.items()},
+            time={"end": 1.0},
+            output={"interval": 1.0},
+        )
     )
     x = (np.arange(100) + 0.5) * D0
     points = geometry.walls(case)
     columns = [np.flatnonzero(np.abs(points.position[:, 0] - at) < 1e-9) for at in x]
     top = [column[np.argmax(points.position[column, 1])] for column in columns]
-    rough = np.where(points.name[top] == geometry.BED, 0.002, 0.01)
-    assert set(rough) == {0.002, 0.01}
-    np.testing.assert_array_equal(geometry.floor_roughness(case, x), rough)
-    np.testing.assert_array_equal(geometry.floor_roughness(case, x + 2.0 * periodic), rough)
+    below = [roughness[geometry.WALL_NAMES[name]] for name in points.name[top]]
+    assert len(set(below)) >= 2
+    np.testing.assert_array_equal(geometry.floor_roughness(case, x), below)
+    if case.geometry.periodic:
+        np.testing.assert_array_equal(geometry.floor_roughness(case, x + 2.0), below)
+
+
+def test_no_law_of_the_wall_acts_on_a_floor_without_roughness():
+    case = bent_channel()
+    assert np.all(np.isinf(geometry.floor_roughness(case, np.array([0.5, 1.5]))))
 
 
 @pytest.mark.parametrize("layer", [1, 2, 3, 4])

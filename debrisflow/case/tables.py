@@ -133,7 +133,8 @@ class Wall(Table):
     velocity: Vector = quantity("m/s", "velocity of the wall along itself", (0.0, 0.0))
     roughness: float = quantity(
         "m",
-        "equivalent sand roughness of the law of the wall; 0 for no law of the wall",
+        "equivalent sand roughness of the law of the wall; 0 for none, so that a no-slip wall "
+        "holds the flow by its viscosity alone",
         0.0,
         ge=0,
     )
@@ -249,8 +250,8 @@ class Strength(Table):
     friction_angle: float = quantity("degree", "angle of internal friction", 35.0, gt=0, lt=90)
     mixing_length: float = quantity(
         "m",
-        "greatest mixing length of the turbulent viscosity; kappa times the height over a no-slip "
-        "floor where that is less",
+        "greatest mixing length of the turbulent viscosity; over a rough floor "
+        "kappa (y + roughness / 30) at a height y where that is less",
         0.0,
         ge=0,
     )
