@@ -112,6 +112,25 @@ def exchange_system(stencil, velocity, density, dt, strength=NO_STRENGTH, **fiel
     return system, right
 
 
+def endless_channel(spacing, slope, layers, **tables):
+    """Return a case: layers, as blocks without x, in a channel that repeats every 20 spacings."""
+    length = 20 * spacing
+    block = {"type": "block", "x": [0.0, length]}
+    return complete(
+        Case(
+            title="endless channel",
+            particles={"spacing": spacing},
+            gravity={"slope": slope},
+            geometry={"type": "channel", "length": length, "height": 0.5, "periodic": True},
+            fill=[block | layer for layer in layers],
+            scheme={"collision_distance": 0.7},
+            time={"end": 10.0},
+            output={"interval": 1.0},
+            **tables,
+        )
+    )
+
+
 def tank_case(columns, rows, material, tank=None, spacing=0.01, **tables):
     """Return a case: a block in the left corner of a tank whose size is given in spacings."""
     width, height = tank or (columns, 2 * rows)

@@ -134,7 +134,7 @@ class Wall(Table):
     roughness: float = quantity(
         "m",
         "equivalent sand roughness of the law of the wall; 0 for none, so that a no-slip wall "
-        "holds the flow by its viscosity alone",
+        "holds the flow by its viscosity, Newtonian and turbulent",
         0.0,
         ge=0,
     )

@@ -29,10 +29,9 @@ SMALL_CASES = {
     ),
     "bed_erosion2d": (
         "time.relaxation=0.2",
-        # over the bed round-off is seen: the front is a few particles
-        "time.end=0.2",
+        "time.end=0.4",
         "output.history_interval=0.05",
-        "output.interval=0.2",
+        "output.interval=0.4",
     ),
 }
 

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import Case
-from debrisflow.case.defaults import complete
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import State, initial_state
-from tests.building import advance
+from tests.building import advance, endless_channel
 
 Floats = NDArray[np.float64]
 ROCK, WATER = 2650.0, 1000.0
@@ -58,28 +56,16 @@ def start(
     scheme: type[SemiImplicit] = SemiImplicit,
 ) -> tuple[SemiImplicit, State]:
     """Return scheme and state of a bed, with water over it, that repeats every 20 spacings."""
-    length, top = 20 * spacing, rows * spacing
-    block = {"type": "block", "x": [0.0, length]}
-    fill = [block | {"y": [0.0, top], "material": "mix", "sediment_share": 0.55}]
+    top = rows * spacing
+    layers = [{"y": [0.0, top], "material": "mix", "sediment_share": 0.55}]
     if water_rows:
-        fill.append(block | {"y": [top, top + water_rows * spacing], "material": "water"})
-    case = complete(
-        Case(
-            title="endless bed",
-            particles={"spacing": spacing},
-            gravity={"slope": slope},
-            geometry={"type": "channel", "length": length, "height": 0.5, "periodic": True},
-            fill=fill,
-            drag={"law": "gidaspow"},
-            scheme={"collision_distance": 0.7},
-            strength={
-                "law": "coulomb",
-                "friction_angle": friction_angle,
-                "mixing_length": 0.006,
-            },
-            time={"end": 10.0},
-            output={"interval": 1.0},
-        )
+        layers.append({"y": [top, top + water_rows * spacing], "material": "water"})
+    case = endless_channel(
+        spacing,
+        slope,
+        layers,
+        drag={"law": "gidaspow"},
+        strength={"law": "coulomb", "friction_angle": friction_angle, "mixing_length": 0.006},
     )
     return scheme(case), initial_state(case)
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import Case
-from debrisflow.case.defaults import complete
 from debrisflow.rheology import KARMAN
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import initial_state
-from tests.building import advance
+from tests.building import advance, endless_channel
 
 SLOPE, GRAVITY = 15.0, 9.81
 STEADY = (4.0, 5.0, 6.0)  # s
@@ -31,21 +29,12 @@ def mean_speed(depth: float, roughness: float, mixing_length: float) -> float:
 
 def run(rows: int, depth: float, roughness: float, mixing_length: float) -> float:
     """Return the mean speed of a film ``rows`` particles deep, periodic along x, m/s."""
-    spacing = depth / rows
-    length = 20 * spacing
-    case = complete(
-        Case(
-            title="rough film",
-            particles={"spacing": spacing},
-            gravity={"slope": SLOPE},
-            geometry={"type": "channel", "length": length, "height": 0.5, "periodic": True},
-            fill=[{"type": "block", "x": [0.0, length], "y": [0.0, depth], "material": "water"}],
-            walls={"floor": {"roughness": roughness}},
-            strength={"law": "coulomb", "mixing_length": mixing_length},
-            scheme={"collision_distance": 0.7},
-            time={"end": 10.0},
-            output={"interval": 1.0},
-        )
+    case = endless_channel(
+        depth / rows,
+        SLOPE,
+        [{"y": [0.0, depth], "material": "water"}],
+        walls={"floor": {"roughness": roughness}},
+        strength={"law": "coulomb", "mixing_length": mixing_length},
     )
     scheme, state = SemiImplicit(case), initial_state(case)
     speeds = []

@@ -193,11 +193,14 @@ def test_the_splash_of_a_dam_break_stays_in_the_tank():
 
 
 @pytest.mark.parametrize("rows", [1, 2, 4])
-@pytest.mark.parametrize(("roughness", "mixing_length"), [(0.095, 0.0095), (0.003, 0.004)])
-def test_a_turbulent_film_has_the_speed_of_its_profile(rows, roughness, mixing_length):
-    # the wall is a step of a logarithm in the lowest row, and the pairs into it are missing
+@pytest.mark.parametrize(
+    # over the smoother floor the lowest row spans more of the logarithm
+    ("roughness", "mixing_length", "error"),
+    [(0.095, 0.0095, 0.12), (0.003, 0.004, 0.25)],
+)
+def test_a_turbulent_film_has_the_speed_of_its_profile(rows, roughness, mixing_length, error):
     film = (0.026, roughness, mixing_length)
-    assert rough_film.run(rows, *film) == pytest.approx(rough_film.mean_speed(*film), rel=0.25)
+    assert rough_film.run(rows, *film) == pytest.approx(rough_film.mean_speed(*film), rel=error)
 
 
 @pytest.mark.parametrize(("friction_angle", "spacing"), [(30.0, 0.02), (35.0, 0.01)])
