@@ -21,13 +21,13 @@ def wall_surface(particles: Particles, case: tables.Case) -> WallSurface:
     """Return what the viscous terms need to know of the walls."""
     named = [getattr(case.walls, name) for name in geometry.WALL_NAMES]
     # One entry more, so that the index -1 of other particles finds zeros.
-    slip = np.array([float(wall.slip == "free-slip") for wall in named] + [0.0])
-    roughness = np.array([wall.roughness for wall in named] + [0.0])
+    slip = [float(wall.slip == "free-slip") for wall in (*named, *case.obstacle)] + [0.0]
+    roughness = [wall.roughness for wall in named] + [0.0] * (len(case.obstacle) + 1)
     return WallSurface(
         particles.wall_normal,
         particles.wall_depth,
-        slip[particles.wall],
-        roughness[particles.wall],
+        np.array(slip)[particles.wall],
+        np.array(roughness)[particles.wall],
     )
 
 
@@ -145,25 +145,24 @@ def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> 
     What is found under the floor, above a ceiling, or beside a closed side below its rim went
     through a wall; all else left through an open end or over the rim.
     """
-    particles, d0 = state.particles, case.particles.spacing
-    x, y, _ = particles.position[particles.fluid].T
+    particles, d0, up = state.particles, case.particles.spacing, case.dimension - 1
+    position = particles.position[particles.fluid]
+    x, level = position[:, 0], position[:, up]
     # lenient by one spacing to the sides too, where the floor has a step
-    level = np.minimum(geometry.floor_level(case, x - d0), geometry.floor_level(case, x + d0))
-    sunk = y < level - d0
-    beyond_left, beyond_right = x < domain.lower[0], x > domain.upper[0]
-    above = y > domain.upper[1]
-    gone = sunk | beyond_left | beyond_right | above
+    floor = np.minimum(geometry.floor_level(case, x - d0), geometry.floor_level(case, x + d0))
+    sunk = level < floor - d0
+    below = position < domain.lower
+    beyond = position > domain.upper
+    below[:, up] = sunk
+    gone = below.any(axis=1) | beyond.any(axis=1)
     if not gone.any():
         return
-    left, right, top = domain.closed
-    below_rim = y < domain.rim
-    outside = beyond_left | beyond_right
-    leaked = (
-        (beyond_left & below_rim & left)
-        | (beyond_right & below_rim & right)
-        | (above & ~outside & top)
-        | (sunk & ~outside)
-    )
+    aside = np.arange(3) != up
+    outside = (below | beyond)[:, aside].any(axis=1)
+    through = (below & domain.closed[:, 0]) | (beyond & domain.closed[:, 1])
+    through[:, aside] &= (level < domain.rim)[:, None]
+    through[:, up] &= ~outside
+    leaked = through.any(axis=1)
     kind = particles.kind[particles.fluid]
     phases = state.left.size
     state.left += np.bincount(kind[gone & ~leaked], minlength=phases)

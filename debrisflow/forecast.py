@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, hypot, sqrt
+from math import ceil
 
 import numpy as np
 
 from debrisflow.case import Case
 from debrisflow.case.estimate import particle_estimate, size
-from debrisflow.case.regions import Rectangle, covered
-from debrisflow.case.tables import Block
+from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.lattice import Reference, reference
 from debrisflow.particles import Kind, seed
 
@@ -76,14 +75,15 @@ def forecast(case: Case) -> Forecast:
     The number of steps is an upper estimate, since friction and walls keep the flow below the
     speed of a free fall.
     """
-    given = _given_speed(case)
-    speed = given + sqrt(2 * hypot(*case.gravity.components) * _fall(case))
+    given = given_speed(case.fill, case.inflow, case.walls)
+    fall = fall_speed(case.fill, case.inflow, case.geometry, case.particles, case.gravity)
+    speed = given + fall
     smallest = _step(case, speed)
     counts = _counts(case)
     frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
     return Forecast(
         counts=counts,
-        lattice=reference(2, case.particles.effective_radius, case.particles.spacing),
+        lattice=reference(case.dimension, case.particles.effective_radius, case.particles.spacing),
         first_step=_step(case, given),
         smallest_step=smallest,
         largest_speed=speed,
@@ -106,35 +106,3 @@ def _step(case: Case, speed: float) -> float:
     assert case.time.largest_step is not None
     path = case.scheme.courant * case.particles.spacing
     return min(case.time.largest_step, path / speed if speed > 0 else float("inf"))
-
-
-def _given_speed(case: Case) -> float:
-    """Return the largest speed in the case file: of a fill, a wall or the supply, m/s."""
-    speeds = [hypot(*part.velocity) for part in case.fill if isinstance(part, Block)]
-    speeds += [hypot(*wall.velocity) for _, wall in case.walls]
-    if case.inflow is not None:
-        graph = case.inflow.hydrograph
-        if graph is None:
-            speeds.append(case.inflow.velocity or 0.0)
-        elif not isinstance(graph, str):
-            speeds.append(max(graph.discharge) / case.inflow.depth)
-    return max(speeds)
-
-
-def _fall(case: Case) -> float:
-    """Return the height of fills and supply along gravity, m."""
-    areas = [covered(part, case.geometry, case.particles) for part in case.fill]
-    if case.inflow is not None:
-        areas.append(Rectangle(0.0, 0.0, 0.0, case.inflow.depth))
-    magnitude = hypot(*case.gravity.components)
-    if magnitude == 0:
-        return 0.0
-    down = [component / magnitude for component in case.gravity.components]
-    levels = [
-        down[0] * x + down[1] * y
-        for area in areas
-        if area is not None
-        for x in (area.left, area.right)
-        for y in (area.bottom, area.top)
-    ]
-    return max(levels) - min(levels)

@@ -1,5 +1,7 @@
 """Tanks and channels as lattice points: fills, inflow columns and layered walls (NumPy only).
 
+In two dimensions y is up, in three z.
+
 Solids are drawn on a grid of cells as wide as the particle spacing, so that a wall surface lies
 half a spacing outside the first layer of wall particles and half a spacing below the first row of
 fluid.
@@ -7,6 +9,7 @@ fluid.
 
 from __future__ import annotations
 
+from itertools import product
 from math import cos, radians, sin, tan
 from typing import NamedTuple
 
@@ -17,8 +20,13 @@ from debrisflow.case import tables
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]
-WALL_NAMES = ("floor", "bed", "left", "right", "ceiling")
-FLOOR, BED, LEFT, RIGHT, CEILING = range(len(WALL_NAMES))
+WALL_NAMES = ("floor", "bed", "left", "right", "ceiling", "front", "back")
+FLOOR, BED, LEFT, RIGHT, CEILING, FRONT, BACK = range(len(WALL_NAMES))
+
+
+def wall_names(case: tables.Case) -> tuple[str, ...]:
+    """Return the names of walls and obstacles, in the order of their numbers."""
+    return (*WALL_NAMES, *(obstacle.name for obstacle in case.obstacle))
 
 
 def wall_layers(case: tables.Case) -> int:
@@ -35,7 +43,7 @@ class WallPoints(NamedTuple):
     layer : (n,) int array
         1 for the layer at the surface, which carries pressure; larger for dummies.
     name : (n,) int array
-        Index into ``WALL_NAMES``.
+        Index into :func:`wall_names`.
     normal : (n, 3) float64 array
         Unit vector out of the wall at the nearest point of its surface.
     depth : (n,) float64 array, m
@@ -60,15 +68,15 @@ class Domain(NamedTuple):
         Period along each axis; 0 where the domain does not repeat.
     rim : float
         Height of the side walls, m.
-    closed : tuple of bool
-        Whether there is a wall on the left, on the right and on top.
+    closed : (3, 2) bool array
+        Whether there is a wall at the lower and at the upper end of each axis.
     """
 
     lower: Floats
     upper: Floats
     period: Floats
     rim: float
-    closed: tuple[bool, bool, bool]
+    closed: NDArray[np.bool_]
 
 
 def domain(case: tables.Case) -> Domain:
@@ -78,19 +86,29 @@ def domain(case: tables.Case) -> Domain:
     wall or its rim.
     """
     shape, d0 = case.geometry, case.particles.spacing
-    sides = not shape.periodic
-    if isinstance(shape, tables.Tank):
-        length, lowest = shape.width, 0.0
-        highest = shape.height + d0 if shape.ceiling else 4.0 * shape.height
-        right, closed = length + d0, (sides, sides, shape.ceiling)
+    closed = np.zeros((3, 2), dtype=bool)
+    if isinstance(shape, tables.Tank3D):
+        closed[:] = True
+        closed[1] = not shape.periodic
+        closed[2, 1] = False
+        period = np.array([0.0, shape.width if shape.periodic else 0.0, 0.0])
+        lower = np.full(3, -d0)
+        upper = np.array([shape.length + d0, shape.width + d0, 4.0 * shape.height])
     else:
-        length, lowest, highest = shape.length, -shape.bed_thickness, shape.height
-        right, closed = length, (sides, False, False)
-    lower = np.array([-d0, lowest - d0, -d0])
-    upper = np.array([right, highest, d0])
-    period = np.array([length if shape.periodic else 0.0, 0.0, 0.0])
-    if shape.periodic:
-        lower[0], upper[0] = -np.inf, np.inf
+        sides = not shape.periodic
+        if isinstance(shape, tables.Tank):
+            length, lowest = shape.width, 0.0
+            highest = shape.height + d0 if shape.ceiling else 4.0 * shape.height
+            right = length + d0
+            closed[:2] = (sides, sides), (True, shape.ceiling)
+        else:
+            length, lowest, highest = shape.length, -shape.bed_thickness, shape.height
+            right = length
+            closed[:2] = (sides, False), (True, False)
+        lower = np.array([-d0, lowest - d0, -d0])
+        upper = np.array([right, highest, d0])
+        period = np.array([length if shape.periodic else 0.0, 0.0, 0.0])
+    lower[period > 0.0], upper[period > 0.0] = -np.inf, np.inf
     return Domain(lower, upper, period, shape.height, closed)
 
 
@@ -128,7 +146,7 @@ def runout_bend(case: tables.Case) -> float:
 def floor_bend(case: tables.Case, x: Floats) -> Floats:
     """Return the angle by which the floor at x rises above the x axis, rad."""
     shape, x = case.geometry, np.asarray(x, dtype=float)
-    if isinstance(shape, tables.Tank) or shape.runout_start is None:
+    if not isinstance(shape, tables.Channel) or shape.runout_start is None:
         return np.zeros_like(x)
     return np.where(x > shape.runout_start, runout_bend(case), 0.0)
 
@@ -161,13 +179,16 @@ def floor_roughness(case: tables.Case, x: Floats) -> Floats:
 def walls(case: tables.Case) -> WallPoints:
     """Return the wall particles of a case, every layer that the fluid can feel."""
     shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
-    cells = _tank_cells(case) if isinstance(shape, tables.Tank) else _channel_cells(case)
-    x, y, name, solid = cells
-    layer, normal, depth = _distance_to_open(solid, layers, periodic=shape.periodic)
-    i, j = np.nonzero(layer > 0)
-    position = np.zeros((i.size, 3))
-    position[:, 0], position[:, 1] = (x[i] + 0.5) * d0, (y[j] + 0.5) * d0
-    points = WallPoints(position, layer[i, j], name[i, j], normal[i, j], depth[i, j] * d0)
+    build = {"tank": _tank_cells, "channel": _channel_cells, "tank3d": _tank3d_cells}[shape.type]
+    axes, name = build(case)
+    periodic_axis = None
+    if shape.periodic:
+        periodic_axis = 1 if isinstance(shape, tables.Tank3D) else 0
+    cells, layer, normal, depth = _distance_to_open(name >= 0, layers, periodic_axis)
+    position = np.zeros((layer.size, 3))
+    for axis, (start, cell) in enumerate(zip(axes, cells, strict=True)):
+        position[:, axis] = (start + cell + 0.5) * d0
+    points = WallPoints(position, layer, name[cells], normal, depth * d0)
     if isinstance(shape, tables.Channel) and shape.runout_start is not None:
         return _with_runout(points, shape, runout_bend(case), d0, layers)
     return points
@@ -210,13 +231,19 @@ def fill(block: tables.Block | tables.Bed, case: tables.Case) -> Floats:
     """Return the lattice points inside a fill as (n, 3) positions, m."""
     d0 = case.particles.spacing
     if isinstance(block, tables.Block):
-        x, y = block.x, block.y
+        extents = [block.x, block.y, block.z][: case.dimension]
     else:
         assert isinstance(case.geometry, tables.Channel)
         assert case.geometry.bed_end is not None
-        x = (case.geometry.bed_start, case.geometry.bed_end)
-        y = (-case.geometry.bed_thickness, 0.0)
-    return _lattice(_cells(x[0], d0), _cells(x[1], d0), _cells(y[0], d0), _cells(y[1], d0), d0)
+        extents = [
+            (case.geometry.bed_start, case.geometry.bed_end),
+            (-case.geometry.bed_thickness, 0.0),
+        ]
+    axes = [np.arange(_cells(e[0], d0), _cells(e[1], d0)) + 0.5 for e in extents if e is not None]
+    position = np.zeros((int(np.prod([axis.size for axis in axes])), 3))
+    for k, points in enumerate(np.meshgrid(*axes, indexing="ij")):
+        position[:, k] = points.ravel() * d0
+    return position
 
 
 def inflow_rows(case: tables.Case) -> int:
@@ -229,12 +256,8 @@ def _cells(length: float, d0: float) -> int:
     return round(length / d0)
 
 
-def _lattice(i0: int, i1: int, j0: int, j1: int, d0: float) -> Floats:
-    x, y = np.meshgrid(np.arange(i0, i1) + 0.5, np.arange(j0, j1) + 0.5, indexing="ij")
-    return np.column_stack([x.ravel() * d0, y.ravel() * d0, np.zeros(x.size)])
-
-
-def _tank_cells(case: tables.Case) -> tuple[Cells, Cells, Cells, NDArray[np.bool_]]:
+def _tank_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
+    """Return the first cell along each axis, and the number of the wall in every cell or -1."""
     shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
     assert isinstance(shape, tables.Tank)
     width, height = _cells(shape.width, d0), _cells(shape.height, d0)
@@ -246,12 +269,33 @@ def _tank_cells(case: tables.Case) -> tuple[Cells, Cells, Cells, NDArray[np.bool
     name[x >= width] = RIGHT
     name[:, y < 0] = FLOOR
     name[:, y >= height] = CEILING
-    return x, y, name, name >= 0
+    return (x[0], y[0]), name
 
 
-def _channel_cells(
-    case: tables.Case,
-) -> tuple[Cells, Cells, Cells, NDArray[np.bool_]]:
+def _tank3d_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
+    shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
+    assert isinstance(shape, tables.Tank3D)
+    length, width, height = (_cells(s, d0) for s in (shape.length, shape.width, shape.height))
+    margin = 0 if shape.periodic else layers
+    x = np.arange(-layers, length + layers)
+    y = np.arange(-margin, width + margin)
+    z = np.arange(-layers, height)
+    name = np.full((x.size, y.size, z.size), -1)
+    name[:, y < 0] = FRONT
+    name[:, y >= width] = BACK
+    name[x < 0] = LEFT
+    name[x >= length] = RIGHT
+    name[:, :, z < 0] = FLOOR
+    for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
+        inside = [
+            (axis >= _cells(extent[0], d0)) & (axis < _cells(extent[1], d0))
+            for axis, extent in zip((x, y, z), (obstacle.x, obstacle.y, obstacle.z), strict=True)
+        ]
+        name[np.ix_(*inside)] = number
+    return (x[0], y[0], z[0]), name
+
+
+def _channel_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
     shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
     assert isinstance(shape, tables.Channel)
     assert shape.bed_end is not None
@@ -281,38 +325,41 @@ def _channel_cells(
         # the supply comes through an opening in the wall, so that nothing flows back over it
         sill = 0 if case.inflow is None else inflow_rows(case)
         name[np.ix_(x < 0, y >= sill)] = LEFT
-    return x, y, name, name >= 0
+    return (x[0], y[0]), name
 
 
 def _distance_to_open(
-    solid: NDArray[np.bool_], layers: int, periodic: bool
-) -> tuple[NDArray[np.int64], Floats, Floats]:
-    """Return layer, unit normal and depth (in cells) of solid cells near an open one.
+    solid: NDArray[np.bool_], layers: int, periodic_axis: int | None
+) -> tuple[tuple[Cells, ...], Cells, Floats, Floats]:
+    """Return the solid cells near an open one: cells, layer, unit normal and depth (in cells).
 
-    The surface of an open cell is its square, so that depth and normal are those of the nearest
-    point of the wall surface; among equally near points the mean direction counts.
+    The surface of an open cell is its square or cube, so that depth and normal are those of the
+    nearest point of the wall surface; among equally near points the mean direction counts.
     """
-    nx, ny = solid.shape
-    reach = range(-layers, layers + 1)
     padded = np.pad(solid, layers, constant_values=True)
-    if periodic:
-        padded[:, layers:-layers] = np.pad(solid, ((layers, layers), (0, 0)), mode="wrap")
-    layer = np.zeros(solid.shape, dtype=int)
-    depth = np.full(solid.shape, np.inf)
-    normal = np.zeros((nx, ny, 3))
-    for a in reach:
-        for b in reach:
-            is_open = ~padded[layers + a : layers + a + nx, layers + b : layers + b + ny] & solid
-            gap = np.array(
-                [np.sign(a) * max(abs(a) - 0.5, 0), np.sign(b) * max(abs(b) - 0.5, 0), 0]
-            )
-            distance = float(np.hypot(gap[0], gap[1]))
-            ring = max(abs(a), abs(b))
-            layer[is_open & ((layer == 0) | (layer > ring))] = ring
-            closer = is_open & (distance < depth - 1e-9)
-            tied = is_open & ~closer & (distance < depth + 1e-9)
-            depth[closer] = distance
-            normal[closer] = gap
-            normal[tied] += gap
-    length = np.linalg.norm(normal, axis=2, keepdims=True)
-    return layer, np.divide(normal, length, where=length > 0, out=normal), depth
+    if periodic_axis is not None:
+        own = [slice(None) if k == periodic_axis else slice(layers, -layers) for k in range(2)]
+        own += [slice(layers, -layers)] * (solid.ndim - 2)
+        ends = [(layers, layers) if k == periodic_axis else (0, 0) for k in range(solid.ndim)]
+        padded[tuple(own)] = np.pad(solid, ends, mode="wrap")
+    cells = np.nonzero(solid)
+    layer = np.zeros(cells[0].size, dtype=np.int64)
+    depth = np.full(layer.size, np.inf)
+    normal = np.zeros((layer.size, 3))
+    for shift in product(range(-layers, layers + 1), repeat=solid.ndim):
+        moved = tuple(cell + layers + step for cell, step in zip(cells, shift, strict=True))
+        is_open = ~padded[moved]
+        gap = np.zeros(3)
+        gap[: solid.ndim] = [np.sign(step) * max(abs(step) - 0.5, 0.0) for step in shift]
+        distance = float(np.sqrt(gap @ gap))
+        ring = max(map(abs, shift))
+        layer[is_open & ((layer == 0) | (layer > ring))] = ring
+        closer = is_open & (distance < depth - 1e-9)
+        tied = is_open & ~closer & (distance < depth + 1e-9)
+        depth[closer] = distance
+        normal[closer] = gap
+        normal[tied] += gap
+    near = layer > 0
+    length = np.linalg.norm(normal[near], axis=1, keepdims=True)
+    direction = np.divide(normal[near], length, where=length > 0, out=normal[near])
+    return tuple(cell[near] for cell in cells), layer[near], direction, depth[near]

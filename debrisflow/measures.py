@@ -56,10 +56,12 @@ def gravity_vector(case: tables.Case) -> Floats:
     Examples
     --------
     >>> from types import SimpleNamespace as Case
-    >>> gravity_vector(Case(gravity=tables.Gravity(acceleration=10.0, slope=30.0))).round(3)
+    >>> gravity = tables.Gravity(acceleration=10.0, slope=30.0)
+    >>> gravity_vector(Case(gravity=gravity, dimension=2)).round(3)
     array([ 5.  , -8.66,  0.  ])
     """
-    return np.array([*case.gravity.components, 0.0])
+    along, upward = case.gravity.components
+    return np.array([along, 0.0, upward] if case.dimension == 3 else [along, upward, 0.0])
 
 
 def phase_fractions(case: tables.Case) -> Floats:

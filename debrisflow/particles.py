@@ -67,9 +67,11 @@ class Particles:
         What the particle's own path is ahead of its place, see :mod:`debrisflow.slip`.
     grain_pressure : (n,) float64 array, Pa
         Effective pressure between the grains of the bed.
+    compression : (n,) float64 array
+        rho / rho0 - 1 of a weakly compressible fluid.
     on_free_surface : (n,) bool array
     wall : (n,) int8 array
-        Index into ``geometry.WALL_NAMES``; -1 for what is not a wall.
+        Index into ``geometry.wall_names``; -1 for what is not a wall.
     wall_normal : (n, 3) float64 array
         Unit normal out of the wall; 0 for what is not a wall.
     wall_depth : (n,) float64 array, m
@@ -91,6 +93,7 @@ class Particles:
     relative_velocity: Floats
     owed_displacement: Floats
     grain_pressure: Floats
+    compression: Floats
     on_free_surface: NDArray[np.bool_]
     wall: NDArray[np.int8]
     wall_normal: Floats
@@ -129,6 +132,11 @@ class Particles:
         for name, value in self.arrays().items():
             setattr(self, name, np.ascontiguousarray(value[rows]))
 
+    def reorder_fluid(self, order: NDArray[np.int64]) -> None:
+        """Put the fluid particles into the given order, and leave the others where they are."""
+        for value in self.arrays().values():
+            value[self.fluid] = value[order]
+
     def exchange(self, one: NDArray[np.int64], other: NDArray[np.int64]) -> None:
         """Let particles change places in pairs.
 
@@ -157,6 +165,7 @@ def blank(count: int) -> Particles:
             "concentration",
             "granular_temperature",
             "grain_pressure",
+            "compression",
             "wall_depth",
         )
     }
@@ -295,7 +304,7 @@ def _filled(
         kind = {"water": Kind.LIQUID, "sediment": Kind.SEDIMENT, "mixture": Kind.MIXTURE}
         set_material(particles, slice(None), kind[block.material], case)
     if isinstance(block, tables.Block):
-        particles.velocity[:, :2] = block.velocity
+        particles.velocity[:, : len(block.velocity)] = block.velocity
     return particles
 
 

@@ -67,6 +67,8 @@ class SemiImplicit:
         self._near = Neighbors(
             self.lattice.effective_radius, self.lattice.spacing, self.domain.period
         )
+        assert isinstance(case.scheme, tables.Scheme)
+        self.numbers = case.scheme
         self._set_operators(case.scheme)
         self._set_materials(case)
         self._observed_step = -1
@@ -160,7 +162,7 @@ class SemiImplicit:
         )
         limits = [case.time.largest_step]
         if speed > 0.0:
-            limits.append(case.scheme.courant * self.lattice.spacing / speed)
+            limits.append(self.numbers.courant * self.lattice.spacing / speed)
         if self._has_collisions:
             limits.append(
                 granular.largest_collision_step(
@@ -356,8 +358,8 @@ class SemiImplicit:
             velocity,
             p.density,
             self._walls,
-            self.case.scheme.collision_distance * self.lattice.spacing,
-            self.case.scheme.collision_restitution,
+            self.numbers.collision_distance * self.lattice.spacing,
+            self.numbers.collision_restitution,
             self._stencil,
             collided,
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow import hydrostatic
 from debrisflow.case import tables
 from debrisflow.geometry import wall_layers
 from debrisflow.particles import Particles, seed, supplied_sediment
@@ -57,6 +58,9 @@ class State:
 def initial_state(case: tables.Case) -> State:
     """Return the state of a case at its start, before its fills relax."""
     particles = seed(case)
+    if isinstance(case.scheme, tables.ExplicitScheme):
+        hydrostatic.compress(particles, case)
+        hydrostatic.jitter(particles, case)
     state = State(particles, time=0.0 - case.time.relaxation, next_id=particles.count)
     if case.inflow is not None:
         state.supply_columns = wall_layers(case)

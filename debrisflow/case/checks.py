@@ -14,20 +14,20 @@ from typing import Any
 
 from debrisflow.case.defaults import (
     FEWEST_RELAXATION_STEPS,
-    WEIR_SPACINGS,
-    bed_end,
     phases,
     viscous_limits,
 )
 from debrisflow.case.estimate import available_memory, estimate, size
 from debrisflow.case.problems import Problem
-from debrisflow.case.regions import covered, open_space
+from debrisflow.case.regions import WEIR_SPACINGS, Geometry, bed_end, covered, open_space
 from debrisflow.case.tables import (
+    AnyScheme,
     Bed,
     Block,
     Channel,
     CollisionStress,
     Drag,
+    ExplicitScheme,
     Gravity,
     Inflow,
     Mixture,
@@ -37,13 +37,13 @@ from debrisflow.case.tables import (
     Strength,
     Table,
     Tank,
+    Tank3D,
     Time,
     Walls,
     Water,
 )
 
 Problems = Iterator[Problem]
-Geometry = Tank | Channel
 Fill = tuple[Block | Bed, ...]
 
 # Share of a spacing by which a length may miss a multiple of it, for round-off in decimals.
@@ -110,6 +110,8 @@ def lengths_on_lattice(
     lengths: dict[str, float] = {}
     if isinstance(geometry, Tank):
         names = ["width", "height"]
+    elif isinstance(geometry, Tank3D):
+        names = ["length", "width", "height"]
     else:
         names = ["length", "bed_start", "bed_thickness", "weir_height"]
         names += [n for n in ("bed_end", "runout_start") if getattr(geometry, n) is not None]
@@ -119,9 +121,10 @@ def lengths_on_lattice(
     for k, block in enumerate(fill):
         if isinstance(block, Block):
             lengths |= {
-                f"fill.{k}.{axis}.{end}": getattr(block, axis)[end]
-                for axis in "xy"
+                f"fill.{k}.{axis}.{end}": extent[end]
+                for axis in "xyz"
                 for end in (0, 1)
+                if (extent := getattr(block, axis)) is not None
             }
     for key, length in lengths.items():
         count = length / particles.spacing
@@ -140,8 +143,10 @@ def space_resolved(geometry: Geometry, particles: Particles, inflow: Inflow | No
     """Check that the spacing resolves tank, channel, bed and supply."""
     spacing = particles.spacing
     across = ["height"]
+    if isinstance(geometry, Tank3D):
+        across.append("length")
     if not geometry.periodic:
-        across.append("width" if isinstance(geometry, Tank) else "length")
+        across.append("length" if isinstance(geometry, Channel) else "width")
     for name in across:
         length = getattr(geometry, name)
         if length < (FEWEST_SPACINGS - TOLERANCE) * spacing:
@@ -162,7 +167,7 @@ def periodic_space(geometry: Geometry, particles: Particles) -> Problems:
     """Check that a periodic space does not see itself and has no weir."""
     if not geometry.periodic:
         return
-    name = "width" if isinstance(geometry, Tank) else "length"
+    name = "length" if isinstance(geometry, Channel) else "width"
     least = 3 * (particles.effective_radius + 1) * particles.spacing
     if getattr(geometry, name) < least * (1 - TOLERANCE):
         message = (
@@ -186,7 +191,7 @@ def runout_behind_bed(
     geometry: Geometry, gravity: Gravity, particles: Particles, fill: Fill
 ) -> Problems:
     """Check that a run-out bends up, behind bed and blocks and below the top of the channel."""
-    if isinstance(geometry, Tank):
+    if not isinstance(geometry, Channel):
         return
     start, slack = geometry.runout_start, TOLERANCE * particles.spacing
     if start is None:
@@ -247,7 +252,7 @@ def fills_apart(geometry: Geometry, particles: Particles, fill: Fill) -> Problem
         if one is None or other is None:
             continue
         shared = one.overlap(other)
-        if shared.shrunk(TOLERANCE * particles.spacing).area > 0:
+        if shared.shrunk(TOLERANCE * particles.spacing).volume > 0:
             yield Problem(f"fill.{k}", f"overlaps fill.{j} in {shared}")
 
 
@@ -286,6 +291,9 @@ def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
 def _walls_present(geometry: Geometry) -> dict[str, bool]:
     """Tell which of the named walls a geometry has."""
     closed = not geometry.periodic
+    if isinstance(geometry, Tank3D):
+        sides = {"left": True, "right": True, "front": closed, "back": closed}
+        return {"floor": True, "bed": False, "ceiling": False} | sides
     tank = isinstance(geometry, Tank)
     return {
         "floor": True,
@@ -293,6 +301,8 @@ def _walls_present(geometry: Geometry) -> dict[str, bool]:
         "left": closed,
         "right": closed and (tank or (isinstance(geometry, Channel) and geometry.weir_height > 0)),
         "ceiling": isinstance(geometry, Tank) and geometry.ceiling,
+        "front": False,
+        "back": False,
     }
 
 
@@ -300,7 +310,7 @@ def inflow_in_channel(inflow: Inflow | None, geometry: Geometry) -> Problems:
     """Check that a supply enters the open end of a channel, below its height."""
     if inflow is None:
         return
-    if isinstance(geometry, Tank):
+    if not isinstance(geometry, Channel):
         yield Problem("inflow", "a tank has no inflow; use geometry.type = 'channel'")
         return
     if geometry.periodic:
@@ -415,9 +425,10 @@ def step_within_limits(
     mixture: Mixture,
     strength: Strength,
     gravity: Gravity,
+    scheme: AnyScheme,
 ) -> Problems:
     """Check that the largest step keeps within the limits of explicit viscosity and gravity."""
-    if time.largest_step is None:
+    if time.largest_step is None or isinstance(scheme, ExplicitScheme):
         return
     limits = viscous_limits(particles, fill, inflow, water, sediment, mixture, strength)
     phase = min(limits, key=lambda name: limits[name], default=None)
@@ -436,8 +447,10 @@ def step_within_limits(
         yield Problem("time.largest_step", message, time.largest_step)
 
 
-def density_relaxation_slow(particles: Particles, scheme: Scheme, time: Time) -> Problems:
+def density_relaxation_slow(particles: Particles, scheme: AnyScheme, time: Time) -> Problems:
     """Check that a density error does not decay within few steps, which throws the fluid."""
+    if not isinstance(scheme, Scheme):
+        return
     step, relaxation = time.largest_step, scheme.density_relaxation
     if step is None or not relaxation:
         return

@@ -5,14 +5,18 @@ Completing a completed case changes nothing.
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from math import hypot, inf, sqrt
 from typing import TypeVar
 
+from debrisflow.case.regions import Geometry, bed_end
+from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.case.tables import (
+    AnyScheme,
     Bed,
     Block,
     Case,
     Channel,
+    ExplicitScheme,
     Gravity,
     Inflow,
     Mixture,
@@ -22,12 +26,11 @@ from debrisflow.case.tables import (
     Sediment,
     Strength,
     Table,
-    Tank,
     Water,
 )
 
-WEIR_SPACINGS = 4
 RELAXATION_STEPS = 50
+LEAST_SOUND_RATIO = 10.0
 FEWEST_RELAXATION_STEPS = 10
 _Any = TypeVar("_Any", bound=Table)
 
@@ -47,26 +50,23 @@ _FORMS: dict[str, dict[str, str]] = {
 
 def complete(case: Case) -> Case:
     """Return the case with every default that follows from other fields filled in."""
-    step = _largest_step(case)
+    scheme = case.scheme
+    if isinstance(scheme, ExplicitScheme):
+        scheme = _filled(scheme, sound_speed=sound_speed(case))
+        step = min(acoustic_step(scheme, case.particles), *_viscous_steps(case))
+        wave = case.particles.spacing / (scheme.sound_speed or 1.0)
+        scheme = _filled(scheme, density_relaxation=RELAXATION_STEPS * wave)
+    else:
+        step = min(_gravity_limit(case.gravity, case.particles, case.output), *_viscous_steps(case))
+        scheme = _scheme(scheme, step, case.time.largest_step or step)
     tables: dict[str, Table | None] = {
         "geometry": _geometry(case.geometry, case.particles),
         "inflow": _inflow(case.inflow),
-        "scheme": _scheme(case.scheme, step, case.time.largest_step or step),
+        "scheme": scheme,
         "time": _filled(case.time, largest_step=step),
         "output": _output(case.output),
     }
     return case.model_copy(update=tables)
-
-
-def bed_end(geometry: Channel, particles: Particles) -> float:
-    """Return the x at which the recess ends, m: given, or a weir before the run-out or the end."""
-    if geometry.bed_end is not None:
-        return geometry.bed_end
-    if geometry.periodic:
-        return geometry.length
-    end = geometry.length if geometry.runout_start is None else geometry.runout_start
-    # Rounded to picometers so that 7 - 4 * 0.02 is written as 6.92.
-    return round(end - WEIR_SPACINGS * particles.spacing, 12)
 
 
 def viscous_limits(
@@ -117,13 +117,13 @@ def _filled(table: _Any, **defaults: object) -> _Any:
     return table.model_copy(update=missing)
 
 
-def _geometry(geometry: Tank | Channel, particles: Particles) -> Tank | Channel:
-    if isinstance(geometry, Tank):
+def _geometry(geometry: Geometry, particles: Particles) -> Geometry:
+    if not isinstance(geometry, Channel):
         return geometry
     return _filled(geometry, bed_end=bed_end(geometry, particles))
 
 
-def _scheme(scheme: Scheme, step: float, largest: float) -> Scheme:
+def _scheme(scheme: Scheme, step: float, largest: float) -> AnyScheme:
     """Return the scheme with the choices of its form; density errors decay in fifty steps.
 
     Of the step that gravity and viscosity allow, so that a shorter ``largest`` step leaves the
@@ -151,12 +151,20 @@ def _output(output: Output) -> Output:
     )
 
 
-def _largest_step(case: Case) -> float:
-    """Return the step that gravity and explicit viscosity allow, s.
+def sound_speed(case: Case) -> float:
+    """Return ten times the largest speed that a case gives or a free fall reaches, m/s."""
+    fall = fall_speed(case.fill, case.inflow, case.geometry, case.particles, case.gravity)
+    return LEAST_SOUND_RATIO * (fall + given_speed(case.fill, case.inflow, case.walls))
 
-    Without gravity nothing but the Courant number knows the speed, so that a tenth of an output
-    interval is the bound.
-    """
+
+def acoustic_step(scheme: ExplicitScheme, particles: Particles) -> float:
+    """Return the time step that the speed of sound allows, ``courant d0 / c``, s."""
+    assert scheme.sound_speed is not None
+    return scheme.courant * particles.spacing / scheme.sound_speed
+
+
+def _viscous_steps(case: Case) -> tuple[float, ...]:
+    """Return the steps that explicit viscosity allows, s."""
     limits = viscous_limits(
         case.particles,
         case.fill,
@@ -166,10 +174,15 @@ def _largest_step(case: Case) -> float:
         case.mixture,
         case.strength,
     )
-    return min([_gravity_limit(case.gravity, case.particles, case.output), *limits.values()])
+    return (inf, *limits.values())
 
 
 def _gravity_limit(gravity: Gravity, particles: Particles, output: Output) -> float:
+    """Return the step that gravity allows, s.
+
+    Without gravity nothing but the Courant number knows the speed, so that a tenth of an output
+    interval is the bound.
+    """
     magnitude = hypot(*gravity.components)
     if magnitude == 0:
         return output.interval / 10

@@ -9,12 +9,13 @@ from __future__ import annotations
 from math import atan2, cos, radians, sin
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag, model_validator
 
 NONE = "-"
 Interval = Annotated[tuple[float, float], Strict(False)]
 Vector = Annotated[tuple[float, float], Strict(False)]
 Series = Annotated[tuple[float, ...], Strict(False)]
+Components = Annotated[tuple[float, ...], Strict(False), Field(min_length=2, max_length=3)]
 
 
 def quantity(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
@@ -33,7 +34,11 @@ class Particles(Table):
 
     spacing: float = quantity("m", "initial distance d0 between particles", gt=0)
     effective_radius: float = quantity(
-        "spacing", "influence radius r_e as a multiple of the spacing", 3.1, ge=1.5, le=5.0
+        "spacing",
+        "influence radius r_e as a multiple of the spacing; 2.4 in three dimensions if left out",
+        3.1,
+        ge=1.5,
+        le=5.0,
     )
     seed: int = quantity(NONE, "seed of every random choice of the run", 1, ge=0)
 
@@ -46,7 +51,10 @@ class Gravity(Table):
         "degree", "angle by which the x axis falls below the horizontal", 0.0, gt=-90, lt=90
     )
     vector: Vector | None = quantity(
-        "m/s2", "acceleration along x and y, instead of acceleration and slope", None
+        "m/s2",
+        "acceleration along x and upwards (y, in three dimensions z), instead of acceleration "
+        "and slope",
+        None,
     )
 
     @property
@@ -57,7 +65,7 @@ class Gravity(Table):
 
     @property
     def components(self) -> tuple[float, float]:
-        """Acceleration along x and y, m/s2, however it was given."""
+        """Acceleration along x and upwards, m/s2, however it was given."""
         if self.vector is not None:
             return self.vector
         angle = radians(self.slope)
@@ -72,6 +80,18 @@ class Tank(Table):
     height: float = quantity("m", "height of the side walls above the floor", gt=0)
     ceiling: bool = quantity(NONE, "close the tank by a wall at its height", False)
     periodic: bool = quantity(NONE, "repeat the tank along x instead of side walls", False)
+
+
+class Tank3D(Table):
+    """A rectangular tank in three dimensions; its inner corner is the origin, z is up."""
+
+    type: Literal["tank3d"]
+    length: float = quantity("m", "inner length along x", gt=0)
+    width: float = quantity("m", "inner width along y", gt=0)
+    height: float = quantity("m", "height of the side walls above the floor", gt=0)
+    periodic: bool = quantity(
+        NONE, "repeat the tank along y instead of front and back walls", False
+    )
 
 
 class Channel(Table):
@@ -102,18 +122,19 @@ class Channel(Table):
 
 
 class Block(Table):
-    """A rectangle filled with particles on a lattice."""
+    """A rectangle, in three dimensions a box, filled with particles on a lattice."""
 
     type: Literal["block"]
     x: Interval = quantity("m", "extent along x")
     y: Interval = quantity("m", "extent along y")
+    z: Interval | None = quantity("m", "extent along z, in three dimensions", None)
     material: Literal["water", "sediment", "mixture", "mix"] = quantity(
         NONE,
         "water; sediment (rock); mixture (one kind of particle for both); "
         "mix (water and sediment particles, seeded at random, evenly)",
     )
     sediment_share: float = quantity(NONE, "share of sediment particles in a mix", 0.5, ge=0, le=1)
-    velocity: Vector = quantity("m/s", "initial velocity", (0.0, 0.0))
+    velocity: Components = quantity("m/s", "initial velocity", (0.0, 0.0))
 
 
 class Bed(Table):
@@ -152,6 +173,21 @@ class Walls(Table):
         default=Wall(), description="wall at x = width, or the end weir of a channel"
     )
     ceiling: Wall = Field(default=Wall(), description="ceiling of a tank")
+    front: Wall = Field(default=Wall(), description="wall at y = 0, in three dimensions")
+    back: Wall = Field(default=Wall(), description="wall at y = width, in three dimensions")
+
+
+class BoxObstacle(Table):
+    """A box of wall in the way of the flow."""
+
+    type: Literal["box"]
+    name: str = quantity(
+        NONE, "name of the obstacle, by which probes refer to it", pattern=r"^[a-z][a-z0-9_]*$"
+    )
+    x: Interval = quantity("m", "extent along x")
+    y: Interval = quantity("m", "extent along y")
+    z: Interval = quantity("m", "extent along z")
+    slip: Literal["no-slip", "free-slip"] = quantity(NONE, "condition along the wall", "no-slip")
 
 
 class Hydrograph(Table):
@@ -272,6 +308,7 @@ class Strength(Table):
 class Scheme(Table):
     """Operators and numbers of the semi-implicit scheme; a choice left out follows the form."""
 
+    type: Literal["semi-implicit"] = quantity(NONE, "incompressible", "semi-implicit")
     form: Literal["stable", "study"] = quantity(
         NONE, "stable: recommended operators; study: those of the study", "stable"
     )
@@ -301,6 +338,51 @@ class Scheme(Table):
     )
 
 
+class ExplicitScheme(Table):
+    """Numbers of the explicit, weakly compressible scheme."""
+
+    type: Literal["explicit"]
+    sound_speed: float | None = quantity(
+        "m/s",
+        "numerical speed of sound c; ten times the speed of a free fall through the fills if "
+        "left out",
+        None,
+        gt=0,
+    )
+    courant: float = quantity(NONE, "time step times c, in spacings", 0.4, gt=0, le=1.2)
+    density_diffusion: float = quantity(NONE, "delta, evens out the density", 0.1, ge=0, le=1)
+    density_relaxation: float | None = quantity(
+        "s",
+        "time in which the density follows the particle number density; 50 spacing / c if left out",
+        None,
+        gt=0,
+    )
+    artificial_viscosity: float = quantity(
+        NONE, "alpha, viscosity alpha c d0 along the line of two particles", 0.05, ge=0, le=1
+    )
+    collision_distance: float = quantity(
+        "spacing", "distance below which approaching particles collide", 0.8, ge=0, le=1
+    )
+    collision_restitution: float = quantity(
+        NONE, "coefficient of restitution of particle collisions", 0.2, ge=0, le=1
+    )
+    jitter: float = quantity(
+        "spacing", "greatest seeded displacement of a particle at the start", 0.01, ge=0, le=0.1
+    )
+
+
+def _scheme_type(table: Any) -> str:
+    """Return which scheme a table asks for; semi-implicit where it does not say."""
+    found = table.get("type") if isinstance(table, dict) else getattr(table, "type", None)
+    return "explicit" if found == "explicit" else "semi-implicit"
+
+
+AnyScheme = Annotated[
+    Annotated[Scheme, Tag("semi-implicit")] | Annotated[ExplicitScheme, Tag("explicit")],
+    Discriminator(_scheme_type),
+]
+
+
 class Time(Table):
     """Simulated time."""
 
@@ -308,7 +390,8 @@ class Time(Table):
     largest_step: float | None = quantity(
         "s",
         "greatest time step; if left out, 0.03 sqrt(spacing / gravity) "
-        "or the limit of explicit viscosity, whichever is less",
+        "or the limit of explicit viscosity, whichever is less; in the explicit scheme courant "
+        "spacing / c instead of the first",
         None,
         gt=0,
     )
@@ -336,7 +419,10 @@ class Case(Table):
     title: str = quantity(NONE, "one line that says what is computed")
     particles: Particles
     gravity: Gravity = Gravity()
-    geometry: Annotated[Tank | Channel, Field(discriminator="type")]
+    geometry: Annotated[Tank | Channel | Tank3D, Field(discriminator="type")]
+    obstacle: Annotated[
+        tuple[Annotated[BoxObstacle, Field(discriminator="type")], ...], Strict(False)
+    ] = Field((), description="walls in the way of the flow, in three dimensions")
     fill: Annotated[
         tuple[Annotated[Block | Bed, Field(discriminator="type")], ...], Strict(False)
     ] = Field((), description="what is filled with particles at the start")
@@ -348,6 +434,29 @@ class Case(Table):
     collision_stress: CollisionStress = CollisionStress()
     drag: Drag = Drag()
     strength: Strength = Strength()
-    scheme: Scheme = Scheme()
+    scheme: AnyScheme = Scheme()
     time: Time
     output: Output
+
+    @property
+    def dimension(self) -> int:
+        """Number of space dimensions: 2, or 3."""
+        return 3 if isinstance(self.geometry, Tank3D) else 2
+
+    @model_validator(mode="before")
+    @classmethod
+    def _follow_dimension(cls, data: Any) -> Any:
+        """Let influence radius and scheme that are left out follow the dimension."""
+        geometry = data.get("geometry") if isinstance(data, dict) else None
+        named = geometry.get("type") if isinstance(geometry, dict) else None
+        if named != "tank3d" and not isinstance(geometry, Tank3D):
+            return data
+        data = dict(data)
+        for name, defaults in (
+            ("particles", {"effective_radius": 2.4}),
+            ("scheme", {"type": "explicit"}),
+        ):
+            given = data.get(name, {})
+            if isinstance(given, dict):
+                data[name] = defaults | given
+        return data
