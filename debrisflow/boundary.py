@@ -154,7 +154,7 @@ def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> 
     below = position < domain.lower
     beyond = position > domain.upper
     below[:, up] = sunk
-    gone = below.any(axis=1) | beyond.any(axis=1)
+    gone: NDArray[np.bool_] = (below | beyond).any(axis=1)
     if not gone.any():
         return
     aside = np.arange(3) != up
@@ -162,9 +162,18 @@ def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> 
     through = (below & domain.closed[:, 0]) | (beyond & domain.closed[:, 1])
     through[:, aside] &= (level < domain.rim)[:, None]
     through[:, up] &= ~outside
-    leaked = through.any(axis=1)
+    leaked: NDArray[np.bool_] = through.any(axis=1)
+    _remove(state, gone, leaked)
+
+
+def remove_lost(state: State, lost: NDArray[np.bool_]) -> None:
+    """Remove fluid particles that went through a wall and count them by phase."""
+    _remove(state, lost, lost)
+
+
+def _remove(state: State, gone: NDArray[np.bool_], leaked: NDArray[np.bool_]) -> None:
+    particles, phases = state.particles, state.left.size
     kind = particles.kind[particles.fluid]
-    phases = state.left.size
     state.left += np.bincount(kind[gone & ~leaked], minlength=phases)
     state.through_wall += np.bincount(kind[leaked], minlength=phases)
     kept = np.concatenate([np.nonzero(~gone)[0], np.arange(particles.fluid_count, particles.count)])

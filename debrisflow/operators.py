@@ -187,8 +187,20 @@ def velocity_difference(i, k, velocity, walls, stencil):
         return du, dv, dw
     nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
     factor = 1.0 + walls.depth[j] / wall_distance(i, k, walls, stencil)
+    return mirrored(du, dv, dw, nx, ny, nz, factor, walls.slip[j])
+
+
+@kernel
+def mirrored(du, dv, dw, nx, ny, nz, factor, slip):
+    """Return a velocity difference times a factor; of the part along a free-slip wall nothing.
+
+    Examples
+    --------
+    >>> mirrored(1.0, 2.0, 0.0, 0.0, 1.0, 0.0, 1.5, 1.0)
+    (0.0, 3.0, 0.0)
+    """
     normal = du * nx + dv * ny + dw * nz
-    stick = 1.0 - walls.slip[j]
+    stick = 1.0 - slip
     return (
         factor * (normal * nx + stick * (du - normal * nx)),
         factor * (normal * ny + stick * (dv - normal * ny)),
@@ -212,16 +224,37 @@ def height_over(i, k, walls, stencil):
 def contact(i, k, walls, stencil):
     """Return height over and normal of the wall face that neighbor k shows to particle i.
 
-    Infinite if the neighbor is no wall, lies deeper than the first layer, or is not under
-    particle i: each first-layer particle answers for the d0 of surface in front of it.  At an edge
-    of two axis-parallel faces the normal halves their angle, and the face that looks at i counts.
+    Infinite if the neighbor is no wall or lies deeper than the first layer, and where
+    :func:`face_towards` is.
     """
     j = stencil.neighbors[i, k]
     d0 = stencil.spacing
     if j < stencil.wall_from or walls.depth[j] > 0.75 * d0:
         return np.inf, 0.0, 0.0, 0.0
-    dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
-    nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
+    return face_towards(
+        stencil.dx[i, k],
+        stencil.dy[i, k],
+        stencil.dz[i, k],
+        walls.normal[j, 0],
+        walls.normal[j, 1],
+        walls.normal[j, 2],
+        d0,
+    )
+
+
+@kernel
+def face_towards(dx, dy, dz, nx, ny, nz, d0):
+    """Return height over and normal of the face of a first-layer wall particle at a separation.
+
+    Infinite if the wall particle is not under the particle that looks at it: it answers for the d0
+    of surface in front of it.  At an edge of two axis-parallel faces its normal (nx, ny, nz) halves
+    their angle, and the face that looks at the particle counts.
+
+    Examples
+    --------
+    >>> face_towards(0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
+    (0.5, 0.0, 1.0, 0.0)
+    """
     if max(abs(nx), abs(ny), abs(nz)) < EDGE:
         ax, ay, az = abs(dx), abs(dy), abs(dz)
         nx = -np.sign(dx) if ax >= ay and ax >= az else 0.0
@@ -356,6 +389,21 @@ def shear_rate_at(i, velocity, walls, stencil):
         wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
     if stencil.dimension < 3.0:
         zz = 0.5 * (xx + yy)  # nothing varies along z
+    return strain_rate(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)
+
+
+@kernel
+def strain_rate(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz):
+    """Return ``sqrt(2 D : D)`` of the velocity gradient ``B M^-1``, 1/s.
+
+    ``M = (xx, xy, ...)`` are the moments of the separations and ``B = (ux, uy, ...)`` those of
+    velocity difference and separation; 0 where the neighbors stand on a line.
+
+    Examples
+    --------
+    >>> strain_rate(2.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 6.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    3.0
+    """
     a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
     if spread(xx, yy, zz, determinant) <= LEAST_SPREAD:
         return 0.0

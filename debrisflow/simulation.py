@@ -20,6 +20,7 @@ from debrisflow import checkpoint
 from debrisflow._jit import THREADING_LAYER, cores, set_threads
 from debrisflow.case import load_case, tables
 from debrisflow.errors import DivergedError, NotConvergedError
+from debrisflow.explicit import Explicit
 from debrisflow.history import history_row
 from debrisflow.measures import deposit_profile
 from debrisflow.output import CASE, CHECKPOINT, RunFolder, Schedule
@@ -31,6 +32,10 @@ MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5
 INTERRUPTED = "interrupted"
 FEWEST_PARTICLES_A_THREAD = 4000
+SCHEMES: dict[str, type[SemiImplicit] | type[Explicit]] = {
+    "semi-implicit": SemiImplicit,
+    "explicit": Explicit,
+}
 
 
 def simulate(
@@ -81,7 +86,7 @@ class _Run:
         self, case: tables.Case, results: RunFolder, state: State, threads: int | None
     ) -> None:
         self.case, self.results, self.state = case, results, state
-        self.scheme = SemiImplicit(case)
+        self.scheme = SCHEMES[case.scheme.type](case)
         useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
         self.threads = set_threads(threads or min(cores(), useful))
         start, end, output = -case.time.relaxation, case.time.end, case.output

@@ -54,8 +54,7 @@ def complete(case: Case) -> Case:
     if isinstance(scheme, ExplicitScheme):
         scheme = _filled(scheme, sound_speed=sound_speed(case))
         step = min(acoustic_step(scheme, case.particles), *_viscous_steps(case))
-        wave = case.particles.spacing / (scheme.sound_speed or 1.0)
-        scheme = _filled(scheme, density_relaxation=RELAXATION_STEPS * wave)
+        scheme = _filled(scheme, density_relaxation=_fall_time(case) or RELAXATION_STEPS * step)
     else:
         step = min(_gravity_limit(case.gravity, case.particles, case.output), *_viscous_steps(case))
         scheme = _scheme(scheme, step, case.time.largest_step or step)
@@ -161,6 +160,13 @@ def acoustic_step(scheme: ExplicitScheme, particles: Particles) -> float:
     """Return the time step that the speed of sound allows, ``courant d0 / c``, s."""
     assert scheme.sound_speed is not None
     return scheme.courant * particles.spacing / scheme.sound_speed
+
+
+def _fall_time(case: Case) -> float:
+    """Return the time of a free fall through the height of the fills, s; 0 without gravity."""
+    fall = fall_speed(case.fill, case.inflow, case.geometry, case.particles, case.gravity)
+    magnitude = hypot(*case.gravity.components)
+    return fall / magnitude if magnitude > 0 else 0.0
 
 
 def _viscous_steps(case: Case) -> tuple[float, ...]:

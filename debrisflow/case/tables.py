@@ -353,7 +353,8 @@ class ExplicitScheme(Table):
     density_diffusion: float = quantity(NONE, "delta, evens out the density", 0.1, ge=0, le=1)
     density_relaxation: float | None = quantity(
         "s",
-        "time in which the density follows the particle number density; 50 spacing / c if left out",
+        "time in which the density follows that summed over the particles; that of a free fall "
+        "through the fills if left out",
         None,
         gt=0,
     )

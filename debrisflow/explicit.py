@@ -1,0 +1,314 @@
+"""The explicit scheme: density by continuity, equation of state, forces, all at one position."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow import boundary, compressible, geometry
+from debrisflow.case import tables
+from debrisflow.errors import DivergedError
+from debrisflow.granular import Grains, radial_distribution
+from debrisflow.lattice import reference
+from debrisflow.measures import gravity_vector
+from debrisflow.neighbors import FixedNeighbors, Neighbors, order_by_cell
+from debrisflow.state import State
+
+Floats = NDArray[np.float64]
+SKIN = 0.2  # spacings; particles move by a hundredth or two of a spacing in a step
+PATH = 0.2  # greatest path of a particle in a step, in spacings
+VISCOUS_LIMIT = 0.2  # of the step, in d0^2 / nu
+BLOCKS = 16
+
+
+class Explicit:
+    """Weakly compressible step, symplectic and with one evaluation of all terms.
+
+        s' = s + dt ds/dt(r, u),  p = rho0 c^2 s',  u' = u + dt a(r, u, p),  r' = r + dt u'
+
+    One kind of particle stands for water or mixture, of density rho0.
+
+    Parameters
+    ----------
+    case : Case
+        A checked case with its defaults resolved.
+
+    Attributes
+    ----------
+    seconds : dict
+        Wall time by phase of the step.
+    """
+
+    REFRESH = 40
+    """Steps after which particles are sorted; a resumed run begins at such a step and so repeats
+    the bits of an uninterrupted one."""
+
+    def __init__(self, case: tables.Case) -> None:
+        assert isinstance(case.scheme, tables.ExplicitScheme)
+        self.case, self.scheme = case, case.scheme
+        self.lattice = reference(
+            case.dimension, case.particles.effective_radius, case.particles.spacing
+        )
+        self.domain = geometry.domain(case)
+        self.seconds: dict[str, float] = {}
+        self._set_material(case)
+        self._set_numbers(case)
+        self._near = Neighbors(
+            self.lattice.effective_radius, self.lattice.spacing, self.domain.period, SKIN
+        )
+        self._near_walls: FixedNeighbors | None = None
+        self._grain_pressure = self._total_viscosity = np.zeros(0)
+        self._observed_step = -1
+
+    def _set_material(self, case: tables.Case) -> None:
+        is_mixture = any(part.material == "mixture" for part in case.fill)
+        share = case.mixture.concentration if is_mixture else 0.0
+        self._density = case.water.density + share * (case.sediment.density - case.water.density)
+        given = case.mixture.viscosity if is_mixture else case.water.viscosity
+        self._viscosity = given / self._density
+        self._grains = Grains(
+            case.sediment.density,
+            case.sediment.grain_diameter,
+            case.sediment.restitution,
+            case.sediment.packing_limit,
+            case.collision_stress.largest_concentration,
+        )
+        stress = case.collision_stress
+        colliding = share if stress.concentration is None else stress.concentration
+        self._concentration = min(colliding, stress.largest_concentration)
+        self._has_collisions = stress.enabled and self._concentration > 0.0
+        self._is_algebraic = stress.granular_temperature == "algebraic"
+        self._share = share
+
+    def _set_numbers(self, case: tables.Case) -> None:
+        lattice, scheme = self.lattice, self.scheme
+        assert scheme.sound_speed is not None
+        assert scheme.density_relaxation is not None
+        dimension = float(lattice.dimension)
+        self._numbers = compressible.Numbers(
+            spacing=lattice.spacing,
+            effective_radius=lattice.effective_radius,
+            dimension=dimension,
+            number_density=lattice.number_density,
+            gradient=dimension / lattice.number_density,
+            laplacian=2.0 * dimension / (lattice.laplacian_lambda * lattice.number_density),
+            smooth_density=lattice.smooth_density,
+            smooth_steepness=lattice.smooth_steepness,
+            density=self._density,
+            sound_speed=scheme.sound_speed,
+            gravity=gravity_vector(case),
+            diffusion=scheme.density_diffusion,
+            relaxation=scheme.density_relaxation,
+            artificial_viscosity=scheme.artificial_viscosity,
+            collision_distance=scheme.collision_distance * lattice.spacing,
+            restitution=scheme.collision_restitution,
+        )
+
+    def observe(self, state: State) -> None:
+        """Bring neighbors and granular stress up to the positions."""
+        with self._clock("neighbors"):
+            self._observe_neighbors(state)
+        if self._has_collisions:
+            with self._clock("grains"):
+                self._observe_grains(state)
+        self._observed_step = state.step
+
+    def fill_number_density(self, state: State) -> None:
+        """Write number density and pressure of a state that no step has seen yet."""
+        self.observe(state)
+        self._advance_density(state, 0.0)
+
+    def stable_dt(self, state: State) -> float:
+        """Return the greatest time step, s, that the state allows."""
+        if self._observed_step != state.step:
+            self.observe(state)
+        assert self.case.time.largest_step is not None
+        d0, limits = self.lattice.spacing, [self.case.time.largest_step]
+        speed, _ = self._survey(state, state.particles.velocity)
+        if speed > 0.0:
+            limits.append(PATH * d0 / speed)
+        if self._has_collisions and self._total_viscosity.size:
+            limits.append(VISCOUS_LIMIT * d0**2 / float(self._total_viscosity.max()))
+            stiffness = (
+                2.0 + radial_distribution(self._concentration, self._grains.packing_limit) / 3.0
+            )
+            push = float(self._grain_pressure.max()) / self._density * stiffness
+            if push > 0.0:
+                limits.append(PATH * d0 / float(np.sqrt(push)))
+        return min(limits)
+
+    def step(self, state: State, dt: float) -> int:
+        """Advance a state by a time step that :meth:`stable_dt` allows.
+
+        Returns
+        -------
+        int
+            0, the number of iterations of a pressure equation that there is not.
+
+        Raises
+        ------
+        DivergedError
+            If a velocity is not finite.  Positions and velocities are then as before.
+        """
+        if self._observed_step != state.step:
+            self.observe(state)
+        p, rows = state.particles, state.particles.fluid
+
+        with self._clock("density"):
+            self._advance_density(state, dt)
+        with self._clock("forces"):
+            velocity = np.empty((p.fluid_count, 3))
+            compressible.advance_velocity(
+                dt, self._fluid(state), self._solid, self._list, self._numbers, velocity
+            )
+        with self._clock("motion"):
+            self._check(state, velocity)
+            p.velocity[rows] = velocity
+            compressible.move(dt, velocity, p.position[rows])
+            boundary.wrap(p, self.domain)
+            _, outside = self._survey(state, velocity)
+            if outside:
+                boundary.remove_leaving(state, self.case, self.domain)
+        return 0
+
+    def _observe_neighbors(self, state: State) -> None:
+        p = state.particles
+        if self._near_walls is None:
+            self._set_walls(state)
+        if state.step % self.REFRESH == 0:
+            p.reorder_fluid(order_by_cell(p.position[p.fluid], self.lattice.spacing))
+            p.concentration[p.fluid] = p.sediment_fraction[p.fluid]
+            self._list_neighbors(state)
+            lost = np.empty(p.fluid_count, dtype=np.bool_)
+            compressible.find_inside_walls(
+                p.position[p.fluid], self._solid, self._list, self._numbers, lost
+            )
+            if lost.any():
+                boundary.remove_lost(state, lost)
+                self._list_neighbors(state)
+        elif self._near.is_stale(p.position[p.fluid], p.fluid_count):
+            self._list_neighbors(state)
+
+    def _list_neighbors(self, state: State) -> None:
+        p, period = state.particles, self.domain.period
+        position = p.position[p.fluid]
+        assert self._near_walls is not None
+        self._near.build(position, p.fluid_count)
+        self._near_walls.build(position)
+        self._list = compressible.Near(
+            self._near.index,
+            self._near.count,
+            self._near_walls.index,
+            self._near_walls.count,
+            period,
+            np.divide(1.0, period, out=np.zeros(3), where=period > 0.0),
+        )
+        if self._grain_pressure.size != p.fluid_count:
+            self._grain_pressure = np.zeros(p.fluid_count)
+            self._total_viscosity = np.full(p.fluid_count, self._viscosity)
+
+    def _set_walls(self, state: State) -> None:
+        """Sort the walls, which do not move, once."""
+        p = state.particles
+        walls = slice(p.inflow.stop, p.count)
+        surface = boundary.wall_surface(p, self.case)
+        self._solid = compressible.Solid(
+            p.position[walls], surface.normal[walls], surface.depth[walls], surface.slip[walls]
+        )
+        self._near_walls = FixedNeighbors(
+            p.position[walls],
+            self.lattice.effective_radius,
+            self.lattice.spacing,
+            self.domain.period,
+            SKIN,
+        )
+
+    def _observe_grains(self, state: State) -> None:
+        p = state.particles
+        temperature = p.granular_temperature[p.fluid]
+        compressible.stir(
+            self._is_algebraic,
+            self._fluid(state),
+            self._solid,
+            self._list,
+            self._concentration,
+            self._grains,
+            self._numbers,
+            temperature,
+        )
+        self._grain_pressure, self._total_viscosity = np.empty((2, p.fluid_count))
+        compressible.collide_grains(
+            self._concentration,
+            self._viscosity,
+            self._grains,
+            self._numbers,
+            p.number_density[p.fluid],
+            temperature,
+            self._grain_pressure,
+            self._total_viscosity,
+        )
+
+    def _advance_density(self, state: State, dt: float) -> None:
+        p, rows = state.particles, state.particles.fluid
+        compression = np.empty(p.fluid_count)
+        compressible.advance_density(
+            dt,
+            self._fluid(state),
+            self._solid,
+            self._list,
+            self._numbers,
+            p.number_density[rows],
+            compression,
+            p.pressure[rows],
+        )
+        p.compression[rows] = compression
+        p.on_free_surface[rows] = (
+            p.number_density[rows] < compressible.SURFACE * self.lattice.number_density
+        )
+
+    def _fluid(self, state: State) -> compressible.Fluid:
+        p, rows = state.particles, state.particles.fluid
+        return compressible.Fluid(
+            p.position[rows],
+            p.velocity[rows],
+            p.compression[rows],
+            p.pressure[rows],
+            self._grain_pressure,
+            self._total_viscosity,
+        )
+
+    def _survey(self, state: State, velocity: Floats) -> tuple[float, int]:
+        """Return the greatest speed, m/s, and whether particles are outside the domain."""
+        p = state.particles
+        fastest, outside = np.empty(BLOCKS), np.empty(BLOCKS, dtype=np.int64)
+        compressible.survey_motion(
+            p.position[p.fluid],
+            velocity[: p.fluid_count],
+            self.domain.lower,
+            self.domain.upper,
+            fastest,
+            outside,
+        )
+        return float(np.sqrt(fastest.max())), int(outside.sum())
+
+    def _check(self, state: State, velocity: Floats) -> None:
+        p = state.particles
+        if np.isfinite(velocity.sum()):
+            return
+        worst = int(np.argmin(np.isfinite(velocity).all(axis=1)))
+        raise DivergedError(
+            f"at t = {state.time:g} s, step {state.step}, particle {p.id[worst]} at "
+            f"{p.position[worst]} m got the velocity {velocity[worst]} m/s"
+        )
+
+    @contextmanager
+    def _clock(self, phase: str) -> Iterator[None]:
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[phase] = self.seconds.get(phase, 0.0) + perf_counter() - start
