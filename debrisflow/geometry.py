@@ -272,8 +272,7 @@ def fill(block: tables.AnyFill, case: tables.Case) -> Floats:
     """Return the lattice points inside a fill as (n, 3) positions, m."""
     d0 = case.particles.spacing
     if isinstance(block, MeshFill):
-        inside: Floats = (cells_inside(surface_of(block), d0) + 0.5) * d0
-        return inside
+        return (cells_inside(surface_of(block), d0).astype(float) + 0.5) * d0
     if isinstance(block, tables.Block):
         extents = [block.x, block.y, block.z][: case.dimension]
     else:

@@ -93,7 +93,9 @@ def _read(path: Path, changed: int) -> Surface:
     if kind not in FORMATS:
         raise UnreadableSurfaceError("must be an STL, OBJ or PLY file: .stl, .obj or .ply")
     try:
-        mesh = importlib.import_module(f"meshio.{kind}").read(str(path))
+        # meshio takes the letters of an STL file in text for a number of triangles, and warns
+        with np.errstate(over="ignore"):
+            mesh = importlib.import_module(f"meshio.{kind}").read(str(path))
         points = np.asarray(mesh.points, dtype=float)
         faces = [np.zeros((0, 3), dtype=int)]
         for block in mesh.cells:
