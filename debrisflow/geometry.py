@@ -207,20 +207,23 @@ def _felt_by_surface(
 
     The staircase of cells has normals along the axes only, whereas the nearest point of a slanted
     face lies along its normal.  Faces in the plane of a wall are left out, as the base of a body
-    that stands on the floor: no fluid comes there.  Points on the surface itself keep what the
-    staircase gave.
+    that stands on the floor: no fluid comes there.  A point on the
+    surface itself takes the normal of its triangle, on the side of the staircase's.
     """
     shown = _faces_in_space(surface_of(mesh), case)
     rows = np.flatnonzero(own)
     if not (rows.size and len(shown.corners)):
         return points
-    outward = nearest_points(shown, points.position[rows]) - points.position[rows]
+    nearest, flat = nearest_points(shown, points.position[rows])
+    outward = nearest - points.position[rows]
     depth = np.linalg.norm(outward, axis=1)
     clear = depth > MESH_SLACK * case.particles.spacing
-    normals, depths = points.normal.copy(), points.depth.copy()
-    normals[rows[clear]] = outward[clear] / depth[clear, None]
-    depths[rows[clear]] = depth[clear]
-    return points._replace(normal=normals, depth=depths)
+    side = np.sum(flat * points.normal[rows], axis=1, keepdims=True)
+    toward = np.where(side < 0.0, -flat, flat)
+    toward[clear] = outward[clear] / depth[clear, None]
+    normal, depths = points.normal.copy(), points.depth.copy()
+    normal[rows], depths[rows] = toward, depth
+    return points._replace(normal=normal, depth=depths)
 
 
 def _faces_in_space(surface: Surface, case: tables.Case) -> Surface:

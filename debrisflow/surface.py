@@ -187,12 +187,28 @@ def _crossings(corners: Floats) -> tuple[Cells, Floats]:
     return column[met], height
 
 
-def nearest_points(surface: Surface, position: Floats) -> Floats:
-    """Return the point of the surface that is nearest to each of the (n, 3) positions, m."""
+def nearest_points(surface: Surface, position: Floats) -> tuple[Floats, Floats]:
+    """Return the point of a surface that is nearest to each position, and the normal there.
+
+    Parameters
+    ----------
+    surface : Surface
+    position : (n, 3) float64 array, m
+
+    Returns
+    -------
+    nearest : (n, 3) float64 array, m
+    normal : (n, 3) float64 array
+        Unit normal of its triangle, on the side from which the corners turn to the left.
+    """
     import pyvista
 
     corners = surface.corners
     faces = np.arange(3 * len(corners)).reshape(-1, 3)
     mesh = pyvista.PolyData.from_regular_faces(corners.reshape(-1, 3), faces)
-    _, nearest = mesh.find_closest_cell(position, return_closest_point=True)
-    return np.asarray(nearest, dtype=float).reshape(-1, 3)
+    triangle, nearest = mesh.find_closest_cell(position, return_closest_point=True)
+    a, b, c = np.moveaxis(corners[np.atleast_1d(triangle)], 1, 0)
+    across = np.cross(b - a, c - a)
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    normal: Floats = across / np.where(length > 0.0, length, 1.0)
+    return np.asarray(nearest, dtype=float).reshape(-1, 3), normal

@@ -67,8 +67,9 @@ def test_volume_and_area_of_a_box():
 def test_the_nearest_point_of_a_sphere_lies_along_its_radius():
     position = np.random.default_rng(1).normal(size=(200, 3))
     position *= 0.3 / np.linalg.norm(position, axis=1, keepdims=True)
-    nearest = nearest_points(sphere(0.5, np.zeros(3), resolution=100), position)
+    nearest, normal = nearest_points(sphere(0.5, np.zeros(3), resolution=100), position)
     np.testing.assert_allclose(nearest, position * 5.0 / 3.0, atol=0.02)
+    assert np.sum(normal * position, axis=1).min() > 0.3 * np.cos(np.radians(4.0))
 
 
 @pytest.mark.parametrize(

@@ -23,8 +23,8 @@ from debrisflow.case.problems import Problem, locate, translate
 from debrisflow.case.tables import Case, follow_dimension
 from debrisflow.errors import CaseError
 
-# A pair of numbers, which the writer spreads over four lines.
-_PAIR = re.compile(r"\[\n *([-+.\w]+),\n *([-+.\w]+),\n *\]")
+# Two or three numbers, which the writer spreads over as many lines and two.
+_FEW_NUMBERS = re.compile(r"\[\n((?: *[-+.\w]+,\n){2,3}) *\]")
 _HEAD = """\
 # Resolved case: every default is written out, so that the run can be repeated from this file.
 # A value that followed from another when it was left out does not follow it any more.
@@ -76,7 +76,8 @@ def dump_case(case: Case) -> str:
         del data["gravity"]["acceleration"], data["gravity"]["slope"]
     if case.inflow is not None and case.inflow.hydrograph is not None:
         del data["inflow"]["concentration"]
-    return _HEAD + _PAIR.sub(r"[\1, \2]", tomli_w.dumps(data))
+    text = tomli_w.dumps(data)
+    return _HEAD + _FEW_NUMBERS.sub(lambda few: f"[{' '.join(few[1].split()).rstrip(',')}]", text)
 
 
 def case_schema() -> str:

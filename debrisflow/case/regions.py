@@ -27,8 +27,8 @@ WEIR_SPACINGS = 4
 TOLERANCE = 1e-6
 # The same for a mesh, whose file may hold no more than seven digits.
 MESH_SLACK = 1e-3
-# Cells of the box around a mesh; more are not looked at, since such a lattice has no memory.
-MOST_CELLS = 1e9
+# Cells of the box around a mesh up to which it is drawn at the door, within a gigabyte.
+MOST_CELLS = 2e7
 
 
 class Region(NamedTuple):
@@ -112,7 +112,10 @@ def occupied(part: AnyObstacle | MeshFill) -> Region:
 
 
 def lattice_points(mesh: MeshFill | MeshObstacle, particles: Particles) -> NDArray[np.int64] | None:
-    """Return the cells whose centers a mesh encloses, None if the lattice is far too fine."""
+    """Return the cells whose centers a mesh encloses, None where they are too many.
+
+    Then the check of the memory, which is made before any array, shall speak.
+    """
     if occupied(mesh).volume / particles.spacing**3 > MOST_CELLS:
         return None
     return cells_inside(surface_of(mesh), particles.spacing)
