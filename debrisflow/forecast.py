@@ -8,14 +8,50 @@ from math import ceil
 import numpy as np
 
 from debrisflow.case import Case
+from debrisflow.case.defaults import LEAST_SOUND_RATIO
 from debrisflow.case.estimate import particle_estimate, size
 from debrisflow.case.speeds import fall_speed, given_speed
+from debrisflow.case.tables import ExplicitScheme
 from debrisflow.lattice import Reference, reference
 from debrisflow.particles import Kind, seed
 
 # One fluid particle in a compressed particle file.  Walls take less: with random fields and three
 # particles in five fluid, 37 were measured.
 BYTES_ON_DISK = 60
+LARGEST_PATH = 0.2  # spacings that a particle moves in a step of the explicit scheme
+
+
+@dataclass(frozen=True)
+class Sound:
+    """How nearly incompressible a weakly compressible flow is.
+
+    Attributes
+    ----------
+    speed : float, m/s
+        Numerical speed of sound c.
+    ratio : float
+        c over the largest speed.
+    compression : float
+        rho g H / (rho c^2) of a column as high as fills and supply.
+    """
+
+    speed: float
+    ratio: float
+    compression: float
+
+    def __str__(self) -> str:
+        """Return the figures as a line for people, with a warning where they are poor."""
+        told = (
+            f"{self.ratio:.3g}: the speed of sound is {self.speed:.3g} m/s, "
+            f"the compression at rest {100 * self.compression:.2g} %"
+        )
+        if self.ratio < LEAST_SOUND_RATIO * (1 - 1e-9):
+            enough = self.speed * LEAST_SOUND_RATIO / self.ratio
+            told += (
+                f"\nwarning        c/u = {self.ratio:.3g}: below {LEAST_SOUND_RATIO:g}, "
+                f"the flow is compressible; scheme.sound_speed = {enough:.3g} m/s would do"
+            )
+        return told
 
 
 @dataclass(frozen=True)
@@ -37,6 +73,8 @@ class Forecast:
     memory, disk : float, bytes
     frames : int
         Particle files.
+    sound : Sound or None
+        None in the incompressible scheme.
     """
 
     counts: dict[str, int]
@@ -48,11 +86,13 @@ class Forecast:
     memory: float
     disk: float
     frames: int
+    sound: Sound | None
 
     def __str__(self) -> str:
         """Return the figures as a few lines for people."""
         kinds = ", ".join(f"{count:,} {kind}" for kind, count in self.counts.items())
         lattice = self.lattice
+        sound = self.sound or "none: the semi-implicit scheme is incompressible"
         return "\n".join(
             [
                 f"particles      {sum(self.counts.values()):,}: {kinds}",
@@ -61,7 +101,7 @@ class Forecast:
                 f"first step     {self.first_step:.3g} s",
                 f"largest speed  {self.largest_speed:.3g} m/s by free fall, "
                 f"there the step is {self.smallest_step:.3g} s",
-                "c/u            none: the semi-implicit scheme is incompressible",
+                f"c/u            {sound}",
                 f"steps          about {self.steps:,} at that step",
                 f"memory         {size(self.memory)}",
                 f"disk           {size(self.disk)} in {self.frames:,} particle files",
@@ -91,7 +131,17 @@ def forecast(case: Case) -> Forecast:
         memory=particle_estimate(case)["memory"],
         disk=float(frames * sum(counts.values()) * BYTES_ON_DISK),
         frames=frames,
+        sound=_sound(case, speed, fall),
     )
+
+
+def _sound(case: Case, speed: float, fall: float) -> Sound | None:
+    """Return the figures of the speed of sound; a fall from H ends at the speed sqrt(2 g H)."""
+    if not isinstance(case.scheme, ExplicitScheme):
+        return None
+    c = case.scheme.sound_speed
+    assert c is not None
+    return Sound(c, c / speed if speed > 0 else float("inf"), fall**2 / (2.0 * c**2))
 
 
 def _counts(case: Case) -> dict[str, int]:
@@ -104,5 +154,7 @@ def _counts(case: Case) -> dict[str, int]:
 def _step(case: Case, speed: float) -> float:
     """Return the time step that the case allows at a speed, s."""
     assert case.time.largest_step is not None
-    path = case.scheme.courant * case.particles.spacing
+    scheme = case.scheme
+    share = LARGEST_PATH if isinstance(scheme, ExplicitScheme) else scheme.courant
+    path = share * case.particles.spacing
     return min(case.time.largest_step, path / speed if speed > 0 else float("inf"))

@@ -4,7 +4,7 @@ In two dimensions y is up, in three z.
 
 Solids are drawn on a grid of cells as wide as the particle spacing, so that a wall surface lies
 half a spacing outside the first layer of wall particles and half a spacing below the first row of
-fluid.
+fluid.  What a mesh encloses is drawn by the centers of cells, but felt by the true surface.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import tables
+from debrisflow.case.bodies import MeshFill, MeshObstacle
+from debrisflow.case.regions import MESH_SLACK, surface_of
+from debrisflow.surface import Surface, cells_inside, nearest_points
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]
@@ -189,9 +192,50 @@ def walls(case: tables.Case) -> WallPoints:
     for axis, (start, cell) in enumerate(zip(axes, cells, strict=True)):
         position[:, axis] = (start + cell + 0.5) * d0
     points = WallPoints(position, layer, name[cells], normal, depth * d0)
+    for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
+        if isinstance(obstacle, MeshObstacle):
+            points = _felt_by_surface(points, points.name == number, obstacle, case)
     if isinstance(shape, tables.Channel) and shape.runout_start is not None:
         return _with_runout(points, shape, runout_bend(case), d0, layers)
     return points
+
+
+def _felt_by_surface(
+    points: WallPoints, own: NDArray[np.bool_], mesh: MeshObstacle, case: tables.Case
+) -> WallPoints:
+    """Return wall points of which those of a mesh have normal and depth of its triangles.
+
+    The staircase of cells has normals along the axes only, whereas the nearest point of a slanted
+    face lies along its normal.  Faces in the plane of a wall are left out, as the base of a body
+    that stands on the floor: no fluid comes there.  A point on the
+    surface itself takes the normal of its triangle, on the side of the staircase's.
+    """
+    shown = _faces_in_space(surface_of(mesh), case)
+    rows = np.flatnonzero(own)
+    if not (rows.size and len(shown.corners)):
+        return points
+    nearest, flat = nearest_points(shown, points.position[rows])
+    outward = nearest - points.position[rows]
+    depth = np.linalg.norm(outward, axis=1)
+    clear = depth > MESH_SLACK * case.particles.spacing
+    side = np.sum(flat * points.normal[rows], axis=1, keepdims=True)
+    toward = np.where(side < 0.0, -flat, flat)
+    toward[clear] = outward[clear] / depth[clear, None]
+    normal, depths = points.normal.copy(), points.depth.copy()
+    normal[rows], depths[rows] = toward, depth
+    return points._replace(normal=normal, depth=depths)
+
+
+def _faces_in_space(surface: Surface, case: tables.Case) -> Surface:
+    """Return the triangles that do not lie in a side or the floor of the tank, walled or not."""
+    shape, slack = case.geometry, MESH_SLACK * case.particles.spacing
+    assert isinstance(shape, tables.Tank3D)
+    ends = np.array([[0.0, shape.length], [0.0, shape.width], [0.0, shape.height]])
+    hidden = np.zeros(len(surface.corners), dtype=bool)
+    for axis, end in ((0, 0), (0, 1), (1, 0), (1, 1), (2, 0)):
+        away = np.abs(surface.corners[:, :, axis] - ends[axis, end])
+        hidden |= np.all(away < slack, axis=1)
+    return Surface(surface.corners[~hidden])
 
 
 def _with_runout(
@@ -227,9 +271,11 @@ def _with_runout(
     return WallPoints._make(np.concatenate(fields) for fields in zip(*parts, strict=True))
 
 
-def fill(block: tables.Block | tables.Bed, case: tables.Case) -> Floats:
+def fill(block: tables.AnyFill, case: tables.Case) -> Floats:
     """Return the lattice points inside a fill as (n, 3) positions, m."""
     d0 = case.particles.spacing
+    if isinstance(block, MeshFill):
+        return (cells_inside(surface_of(block), d0).astype(float) + 0.5) * d0
     if isinstance(block, tables.Block):
         extents = [block.x, block.y, block.z][: case.dimension]
     else:
@@ -287,6 +333,9 @@ def _tank3d_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
     name[x >= length] = RIGHT
     name[:, :, z < 0] = FLOOR
     for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
+        if isinstance(obstacle, MeshObstacle):
+            name[tuple((cells_inside(surface_of(obstacle), d0) - (x[0], y[0], z[0])).T)] = number
+            continue
         inside = [
             (axis >= _cells(extent[0], d0)) & (axis < _cells(extent[1], d0))
             for axis, extent in zip((x, y, z), (obstacle.x, obstacle.y, obstacle.z), strict=True)
@@ -342,7 +391,7 @@ def _distance_to_open(
         own += [slice(layers, -layers)] * (solid.ndim - 2)
         ends = [(layers, layers) if k == periodic_axis else (0, 0) for k in range(solid.ndim)]
         padded[tuple(own)] = np.pad(solid, ends, mode="wrap")
-    cells = np.nonzero(solid)
+    cells = np.nonzero(solid & _near_open(padded, layers))
     layer = np.zeros(cells[0].size, dtype=np.int64)
     depth = np.full(layer.size, np.inf)
     normal = np.zeros((layer.size, 3))
@@ -363,3 +412,16 @@ def _distance_to_open(
     length = np.linalg.norm(normal[near], axis=1, keepdims=True)
     direction = np.divide(normal[near], length, where=length > 0, out=normal[near])
     return tuple(cell[near] for cell in cells), layer[near], direction, depth[near]
+
+
+def _near_open(padded: NDArray[np.bool_], layers: int) -> NDArray[np.bool_]:
+    """Return which cells within the padding have an open cell at most some layers away.
+
+    Axis by axis, so that the inside of a large obstacle costs little.
+    """
+    near = ~padded
+    for axis in range(near.ndim):
+        size = near.shape[axis] - 2 * layers
+        shifted = [near.take(range(k, k + size), axis) for k in range(2 * layers + 1)]
+        near = np.logical_or.reduce(shifted)
+    return near

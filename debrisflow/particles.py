@@ -290,9 +290,7 @@ def _placed(position: Floats) -> Particles:
     return particles
 
 
-def _filled(
-    block: tables.Block | tables.Bed, case: tables.Case, rng: np.random.Generator
-) -> Particles:
+def _filled(block: tables.AnyFill, case: tables.Case, rng: np.random.Generator) -> Particles:
     particles = _placed(geometry.fill(block, case))
     if block.material == "mix":
         is_sediment = _evenly_mixed(
@@ -303,7 +301,7 @@ def _filled(
     else:
         kind = {"water": Kind.LIQUID, "sediment": Kind.SEDIMENT, "mixture": Kind.MIXTURE}
         set_material(particles, slice(None), kind[block.material], case)
-    if isinstance(block, tables.Block):
+    if not isinstance(block, tables.Bed):
         particles.velocity[:, : len(block.velocity)] = block.velocity
     return particles
 

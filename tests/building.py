@@ -147,6 +147,22 @@ def tank_case(columns, rows, material, tank=None, spacing=0.01, **tables):
     )
 
 
+def tank3d_case(z=(0.0, 0.5), size=(0.8, 0.6, 1.0), particles=None, **tables):
+    """Return a case: water between two heights in a tank of three dimensions, spacing 0.1 m."""
+    length, width, height = size
+    block = {"type": "block", "x": [0.0, length], "y": [0.0, width], "z": z, "material": "water"}
+    tables = {"fill": [block], "time": {"end": 1.0}, "output": {"interval": 1.0}} | tables
+    tank = {"type": "tank3d", "length": length, "width": width, "height": height}
+    return complete(
+        Case(
+            title="tank3d",
+            particles={"spacing": 0.1} | (particles or {}),
+            geometry=tank | tables.pop("geometry", {}),
+            **tables,
+        )
+    )
+
+
 def settling_case(**tables):
     """Return a case whose grains settle, so that some exchange places within 40 steps."""
     block = {"type": "block", "x": [0.0, 0.24], "y": [0.0, 0.2], "material": "mix"}

@@ -6,28 +6,29 @@ problems; so that those that can be run are run even where another table could n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from inspect import signature
-from itertools import combinations, pairwise
-from math import degrees, hypot, isclose, isfinite, radians, sqrt, tan
+from itertools import pairwise
+from math import hypot, isclose, sqrt
 from typing import Any
 
+from debrisflow.case import obstacles, space, weakly_compressible
+from debrisflow.case.bodies import MeshFill
 from debrisflow.case.defaults import (
     FEWEST_RELAXATION_STEPS,
     phases,
     viscous_limits,
 )
 from debrisflow.case.estimate import available_memory, estimate, size
-from debrisflow.case.problems import Problem
-from debrisflow.case.regions import WEIR_SPACINGS, Geometry, bed_end, covered, open_space
+from debrisflow.case.problems import Problem, Problems, was_set
+from debrisflow.case.regions import TOLERANCE, Geometry
 from debrisflow.case.tables import (
+    AnyFill,
+    AnyObstacle,
     AnyScheme,
-    Bed,
-    Block,
     Channel,
     CollisionStress,
     Drag,
-    ExplicitScheme,
     Gravity,
     Inflow,
     Mixture,
@@ -35,22 +36,11 @@ from debrisflow.case.tables import (
     Scheme,
     Sediment,
     Strength,
-    Table,
-    Tank,
-    Tank3D,
     Time,
-    Walls,
     Water,
 )
 
-Problems = Iterator[Problem]
-Fill = tuple[Block | Bed, ...]
-
-# Share of a spacing by which a length may miss a multiple of it, for round-off in decimals.
-TOLERANCE = 1e-6
-FEWEST_SPACINGS = 4
-FEWEST_BED_SPACINGS = 3
-LARGEST_BEND = 25.0  # degrees; its cosine is above operators.EDGE, so that a floor is no edge
+Fill = tuple[AnyFill, ...]
 
 
 def cross_check(tables: Mapping[str, Any]) -> list[Problem]:
@@ -79,231 +69,14 @@ def one_way_of_gravity(gravity: Gravity) -> Problems:
             yield Problem(f"gravity.{name}", message, getattr(gravity, name))
 
 
-def intervals_in_order(
-    geometry: Geometry, particles: Particles, fill: Fill, strength: Strength
-) -> Problems:
-    """Check that intervals begin before they end."""
-    intervals = {
-        f"fill.{k}.{axis}": getattr(block, axis)
-        for k, block in enumerate(fill)
-        if isinstance(block, Block)
-        for axis in ("x", "y")
-    }
-    intervals["strength.concentration_ramp"] = strength.concentration_ramp
-    for key, interval in intervals.items():
-        if interval[0] >= interval[1]:
-            yield Problem(key, "the first number must be less than the second", interval)
-    if isinstance(geometry, Channel):
-        end = bed_end(geometry, particles)
-        if geometry.bed_thickness > 0 and geometry.bed_start >= end:
-            message = f"must be less than bed_end = {end:g} m"
-            yield Problem("geometry.bed_start", message, geometry.bed_start)
-        if end > geometry.length:
-            message = f"must be at most the length {geometry.length:g} m"
-            yield Problem("geometry.bed_end", message, end)
-
-
-def lengths_on_lattice(
-    geometry: Geometry, particles: Particles, fill: Fill, inflow: Inflow | None
-) -> Problems:
-    """Check that lengths are multiples of the spacing, so that the lattice has no gaps."""
-    lengths: dict[str, float] = {}
-    if isinstance(geometry, Tank):
-        names = ["width", "height"]
-    elif isinstance(geometry, Tank3D):
-        names = ["length", "width", "height"]
-    else:
-        names = ["length", "bed_start", "bed_thickness", "weir_height"]
-        names += [n for n in ("bed_end", "runout_start") if getattr(geometry, n) is not None]
-    lengths |= {f"geometry.{name}": getattr(geometry, name) for name in names}
-    if inflow is not None and inflow.depth >= particles.spacing:
-        lengths["inflow.depth"] = inflow.depth
-    for k, block in enumerate(fill):
-        if isinstance(block, Block):
-            lengths |= {
-                f"fill.{k}.{axis}.{end}": extent[end]
-                for axis in "xyz"
-                for end in (0, 1)
-                if (extent := getattr(block, axis)) is not None
-            }
-    for key, length in lengths.items():
-        count = length / particles.spacing
-        if not isfinite(count) or abs(count - round(count)) <= TOLERANCE:
-            continue
-        nearest = max(round(count), 1) if length > 0 else min(round(count), -1)
-        yield Problem(
-            key,
-            f"not a multiple of the spacing {particles.spacing:g} m; "
-            f"the nearest is {nearest * particles.spacing:.10g} m",
-            length,
-        )
-
-
-def space_resolved(geometry: Geometry, particles: Particles, inflow: Inflow | None) -> Problems:
-    """Check that the spacing resolves tank, channel, bed and supply."""
-    spacing = particles.spacing
-    across = ["height"]
-    if isinstance(geometry, Tank3D):
-        across.append("length")
-    if not geometry.periodic:
-        across.append("length" if isinstance(geometry, Channel) else "width")
-    for name in across:
-        length = getattr(geometry, name)
-        if length < (FEWEST_SPACINGS - TOLERANCE) * spacing:
-            message = f"not resolved: must be at least {FEWEST_SPACINGS} spacings of {spacing:g} m"
-            yield Problem(f"geometry.{name}", message, length)
-    if (
-        isinstance(geometry, Channel)
-        and 0 < geometry.bed_thickness < (FEWEST_BED_SPACINGS - TOLERANCE) * spacing
-    ):
-        message = f"not resolved: must be at least {FEWEST_BED_SPACINGS} spacings of {spacing:g} m"
-        yield Problem("geometry.bed_thickness", message, geometry.bed_thickness)
-    if inflow and inflow.depth < (1 - TOLERANCE) * spacing:
-        message = f"not resolved: must be at least one spacing of {spacing:g} m"
-        yield Problem("inflow.depth", message, inflow.depth)
-
-
-def periodic_space(geometry: Geometry, particles: Particles) -> Problems:
-    """Check that a periodic space does not see itself and has no weir."""
-    if not geometry.periodic:
-        return
-    name = "length" if isinstance(geometry, Channel) else "width"
-    least = 3 * (particles.effective_radius + 1) * particles.spacing
-    if getattr(geometry, name) < least * (1 - TOLERANCE):
-        message = (
-            f"too short to be periodic: at least 3 (effective_radius + 1) spacings, {least:g} m"
-        )
-        yield Problem(f"geometry.{name}", message, getattr(geometry, name))
-    if isinstance(geometry, Channel) and geometry.weir_height > 0:
-        yield Problem(
-            "geometry.weir_height", "a periodic channel has no weir", geometry.weir_height
-        )
-
-
-def weir_in_channel(geometry: Geometry) -> Problems:
-    """Check that the weir leaves the channel open above it."""
-    if isinstance(geometry, Channel) and geometry.weir_height >= geometry.height:
-        message = f"must be less than the height of the channel, {geometry.height:g} m"
-        yield Problem("geometry.weir_height", message, geometry.weir_height)
-
-
-def runout_behind_bed(
-    geometry: Geometry, gravity: Gravity, particles: Particles, fill: Fill
-) -> Problems:
-    """Check that a run-out bends up, behind bed and blocks and below the top of the channel."""
-    if not isinstance(geometry, Channel):
-        return
-    start, slack = geometry.runout_start, TOLERANCE * particles.spacing
-    if start is None:
-        if _was_set(geometry, "runout_slope"):
-            message = "has no effect without geometry.runout_start"
-            yield Problem("geometry.runout_slope", message, geometry.runout_slope)
-        return
-    if geometry.periodic or geometry.weir_height > 0:
-        other = "geometry.periodic" if geometry.periodic else "geometry.weir_height"
-        yield Problem(other, "leave it out where the channel has a run-out")
-    bend = degrees(gravity.fall) - geometry.runout_slope
-    if not TOLERANCE < bend <= LARGEST_BEND + TOLERANCE:
-        message = (
-            f"the floor must bend up, by at most {LARGEST_BEND:g} degrees, and not by {bend:g}: "
-            f"give less than {degrees(gravity.fall):g} and at least "
-            f"{degrees(gravity.fall) - LARGEST_BEND:g}"
-        )
-        yield Problem("geometry.runout_slope", message, geometry.runout_slope)
-    behind = bed_end(geometry, particles) if geometry.bed_thickness > 0 else 0.0
-    apart = max(WEIR_SPACINGS, int(particles.effective_radius) + 1)
-    behind, before = behind + apart * particles.spacing, geometry.length - apart * particles.spacing
-    if not behind - slack <= start <= before + slack:
-        message = (
-            f"must leave {apart} spacings behind it, and in front of it to the bed or to x = 0: "
-            f"at least {behind:g} and at most {before:g} m"
-        )
-        yield Problem("geometry.runout_start", message, start)
-    rise = (geometry.length - start) * tan(radians(bend))
-    if rise >= geometry.height:
-        message = f"must be greater than the rise of the run-out along the x axis, {rise:.3g} m"
-        yield Problem("geometry.height", message, geometry.height)
-    for k, part in enumerate(fill):
-        if isinstance(part, Block) and part.x[1] > start + slack:
-            message = f"must end before the run-out, x = {start:g} m"
-            yield Problem(f"fill.{k}.x.1", message, part.x[1])
-
-
-def fills_inside(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
-    """Check that fills lie in the open space, and a bed in a recess."""
-    tolerance = TOLERANCE * particles.spacing
-    spaces = [space.shrunk(-tolerance) for space in open_space(geometry, particles)]
-    for k, part in enumerate(fill):
-        area = covered(part, geometry, particles)
-        if area is None:
-            message = "needs a recess: a channel whose bed_thickness is greater than 0"
-            yield Problem(f"fill.{k}.type", message, part.type)
-        elif isinstance(part, Block) and not any(space.holds(area) for space in spaces):
-            room = " or ".join(map(str, dict.fromkeys(open_space(geometry, particles))))
-            yield Problem(
-                f"fill.{k}", f"the block {area} is not inside the {geometry.type}, {room}"
-            )
-
-
-def fills_apart(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
-    """Check that no two fills overlap."""
-    areas = [covered(part, geometry, particles) for part in fill]
-    for (j, one), (k, other) in combinations(enumerate(areas), 2):
-        if one is None or other is None:
-            continue
-        shared = one.overlap(other)
-        if shared.shrunk(TOLERANCE * particles.spacing).volume > 0:
-            yield Problem(f"fill.{k}", f"overlaps fill.{j} in {shared}")
-
-
 def shares_of_mixes(fill: Fill) -> Problems:
     """Check that only a mix has a share of sediment."""
     for k, part in enumerate(fill):
-        if part.material != "mix" and _was_set(part, "sediment_share"):
+        if isinstance(part, MeshFill) or part.material == "mix":
+            continue
+        if was_set(part, "sediment_share"):
             message = f"has no effect on the material '{part.material}', only on 'mix'"
             yield Problem(f"fill.{k}.sediment_share", message, part.sediment_share)
-
-
-def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
-    """Check that a moving wall exists, moves along itself and lets no fluid slip."""
-    present = _walls_present(geometry)
-    for name, wall in walls:
-        key, (along_x, along_y) = f"walls.{name}.velocity", wall.velocity
-        if along_x == 0 and along_y == 0:
-            continue
-        if not present[name]:
-            message = f"there is no {name} wall in this {geometry.type}"
-        elif (
-            name == "floor" and isinstance(geometry, Channel) and geometry.runout_start is not None
-        ):
-            message = "a floor that bends to a run-out cannot move"
-        elif wall.slip == "free-slip":
-            message = "a free-slip wall drags no fluid along; set slip = 'no-slip'"
-        elif along_y != 0 and name in ("floor", "ceiling"):
-            message = "must be along the wall: the second number must be 0"
-        elif along_x != 0 and name in ("left", "right"):
-            message = "must be along the wall: the first number must be 0"
-        else:
-            continue
-        yield Problem(key, message, wall.velocity)
-
-
-def _walls_present(geometry: Geometry) -> dict[str, bool]:
-    """Tell which of the named walls a geometry has."""
-    closed = not geometry.periodic
-    if isinstance(geometry, Tank3D):
-        sides = {"left": True, "right": True, "front": closed, "back": closed}
-        return {"floor": True, "bed": False, "ceiling": False} | sides
-    tank = isinstance(geometry, Tank)
-    return {
-        "floor": True,
-        "bed": isinstance(geometry, Channel) and geometry.bed_thickness > 0,
-        "left": closed,
-        "right": closed and (tank or (isinstance(geometry, Channel) and geometry.weir_height > 0)),
-        "ceiling": isinstance(geometry, Tank) and geometry.ceiling,
-        "front": False,
-        "back": False,
-    }
 
 
 def inflow_in_channel(inflow: Inflow | None, geometry: Geometry) -> Problems:
@@ -374,9 +147,9 @@ def concentrations_below_packing(
 ) -> Problems:
     """Check that no concentration that is used, or was set, reaches that of a packing."""
     stated: dict[str, float] = {}
-    if any(part.material == "mixture" for part in fill) or _was_set(mixture, "concentration"):
+    if any(part.material == "mixture" for part in fill) or was_set(mixture, "concentration"):
         stated["mixture.concentration"] = mixture.concentration
-    if collision_stress.enabled or _was_set(collision_stress, "largest_concentration"):
+    if collision_stress.enabled or was_set(collision_stress, "largest_concentration"):
         stated["collision_stress.largest_concentration"] = collision_stress.largest_concentration
     if inflow is not None:
         stated["inflow.concentration"] = inflow.concentration
@@ -410,11 +183,6 @@ def slip_of_pure_phases(drag: Drag, fill: Fill, inflow: Inflow | None) -> Proble
         yield Problem("drag.law", message, drag.law)
 
 
-def _was_set(table: Table, name: str) -> bool:
-    """Tell whether a field differs from its default, however the file came to state it."""
-    return bool(getattr(table, name) != type(table).model_fields[name].default)
-
-
 def step_within_limits(
     time: Time,
     particles: Particles,
@@ -428,7 +196,7 @@ def step_within_limits(
     scheme: AnyScheme,
 ) -> Problems:
     """Check that the largest step keeps within the limits of explicit viscosity and gravity."""
-    if time.largest_step is None or isinstance(scheme, ExplicitScheme):
+    if time.largest_step is None:
         return
     limits = viscous_limits(particles, fill, inflow, water, sediment, mixture, strength)
     phase = min(limits, key=lambda name: limits[name], default=None)
@@ -439,7 +207,11 @@ def step_within_limits(
             f"0.2 spacing^2 density / viscosity = {limits[phase]:.3g} s"
         )
         yield Problem("time.largest_step", message, time.largest_step)
-    elif fall > 0 and time.largest_step > 0.1 * sqrt(particles.spacing / fall):
+    elif (
+        isinstance(scheme, Scheme)
+        and fall > 0
+        and time.largest_step > 0.1 * sqrt(particles.spacing / fall)
+    ):
         message = (
             "gravity would move a particle by more than a hundredth of the spacing in a step; "
             f"at most 0.1 sqrt(spacing / gravity) = {0.1 * sqrt(particles.spacing / fall):.3g} s"
@@ -462,10 +234,14 @@ def density_relaxation_slow(particles: Particles, scheme: AnyScheme, time: Time)
 
 
 def memory_suffices(
-    particles: Particles, geometry: Geometry, fill: Fill, inflow: Inflow | None
+    particles: Particles,
+    geometry: Geometry,
+    obstacle: tuple[AnyObstacle, ...],
+    fill: Fill,
+    inflow: Inflow | None,
 ) -> Problems:
     """Check that the particles fit into the memory that is free."""
-    expected = estimate(particles, geometry, fill, inflow)
+    expected = estimate(particles, geometry, obstacle, fill, inflow)
     available = available_memory()
     if available is not None and expected["memory"] > available:
         message = (
@@ -478,22 +254,16 @@ def memory_suffices(
 CHECKS: tuple[Callable[..., Problems], ...] = (
     anything_to_compute,
     one_way_of_gravity,
-    intervals_in_order,
-    lengths_on_lattice,
-    space_resolved,
-    periodic_space,
-    weir_in_channel,
-    runout_behind_bed,
-    fills_inside,
-    fills_apart,
+    *space.CHECKS,
+    *obstacles.CHECKS,
     shares_of_mixes,
-    walls_that_drag,
     inflow_in_channel,
     one_way_of_supply,
     hydrograph_in_order,
     concentrations_below_packing,
     collisions_within_clip,
     slip_of_pure_phases,
+    *weakly_compressible.CHECKS,
     step_within_limits,
     density_relaxation_slow,
     memory_suffices,

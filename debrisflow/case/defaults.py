@@ -8,12 +8,12 @@ from __future__ import annotations
 from math import hypot, inf, sqrt
 from typing import TypeVar
 
+from debrisflow.case.fields import Table
 from debrisflow.case.regions import Geometry, bed_end
 from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.case.tables import (
+    AnyFill,
     AnyScheme,
-    Bed,
-    Block,
     Case,
     Channel,
     ExplicitScheme,
@@ -25,7 +25,7 @@ from debrisflow.case.tables import (
     Scheme,
     Sediment,
     Strength,
-    Table,
+    Walls,
     Water,
 )
 
@@ -52,7 +52,10 @@ def complete(case: Case) -> Case:
     """Return the case with every default that follows from other fields filled in."""
     scheme = case.scheme
     if isinstance(scheme, ExplicitScheme):
-        scheme = _filled(scheme, sound_speed=sound_speed(case))
+        fastest = sound_speed(
+            case.fill, case.inflow, case.geometry, case.particles, case.gravity, case.walls
+        )
+        scheme = _filled(scheme, sound_speed=fastest)
         step = min(acoustic_step(scheme, case.particles), *_viscous_steps(case))
         scheme = _filled(scheme, density_relaxation=_fall_time(case) or RELAXATION_STEPS * step)
     else:
@@ -70,7 +73,7 @@ def complete(case: Case) -> Case:
 
 def viscous_limits(
     particles: Particles,
-    fill: tuple[Block | Bed, ...],
+    fill: tuple[AnyFill, ...],
     inflow: Inflow | None,
     water: Water,
     sediment: Sediment,
@@ -98,7 +101,7 @@ def viscous_limits(
     }
 
 
-def phases(fill: tuple[Block | Bed, ...], inflow: Inflow | None) -> set[str]:
+def phases(fill: tuple[AnyFill, ...], inflow: Inflow | None) -> set[str]:
     """Return which of water, sediment and mixture the fills and the supply bring."""
     materials: set[str] = {part.material for part in fill}
     present = materials - {"mix"}
@@ -150,10 +153,17 @@ def _output(output: Output) -> Output:
     )
 
 
-def sound_speed(case: Case) -> float:
+def sound_speed(
+    fill: tuple[AnyFill, ...],
+    inflow: Inflow | None,
+    geometry: Geometry,
+    particles: Particles,
+    gravity: Gravity,
+    walls: Walls,
+) -> float:
     """Return ten times the largest speed that a case gives or a free fall reaches, m/s."""
-    fall = fall_speed(case.fill, case.inflow, case.geometry, case.particles, case.gravity)
-    return LEAST_SOUND_RATIO * (fall + given_speed(case.fill, case.inflow, case.walls))
+    fall = fall_speed(fill, inflow, geometry, particles, gravity)
+    return LEAST_SOUND_RATIO * (fall + given_speed(fill, inflow, walls))
 
 
 def acoustic_step(scheme: ExplicitScheme, particles: Particles) -> float:

@@ -6,8 +6,18 @@ import os
 from math import pi
 from pathlib import Path
 
-from debrisflow.case.regions import Geometry, covered, recess
-from debrisflow.case.tables import Bed, Block, Case, Channel, Inflow, Particles, Tank, Tank3D
+from debrisflow.case.bodies import BoxObstacle, MeshFill
+from debrisflow.case.regions import Geometry, covered, recess, surface_of
+from debrisflow.case.tables import (
+    AnyFill,
+    AnyObstacle,
+    Case,
+    Channel,
+    Inflow,
+    Particles,
+    Tank,
+    Tank3D,
+)
 
 # Measured on dam breaks: 2,700 bytes a particle at an influence radius of 3.1, 5,350 at 5.0.  The
 # second term is the neighbor list, the pair geometry and the linear system.
@@ -15,6 +25,7 @@ BYTES_A_PARTICLE = 800
 BYTES_A_NEIGHBOR = 50
 BYTES_OF_THE_PROGRAM = 200_000_000
 BYTES_IN_THREE = 400
+BYTES_A_CELL = 16  # of the box in which walls are drawn
 SKIN = 0.4
 
 
@@ -27,13 +38,14 @@ def particle_estimate(case: Case) -> dict[str, float]:
         ``fluid``, ``inflow`` (all that a channel can hold of the supply), ``wall``, ``total``
         and ``memory`` in bytes.
     """
-    return estimate(case.particles, case.geometry, case.fill, case.inflow)
+    return estimate(case.particles, case.geometry, case.obstacle, case.fill, case.inflow)
 
 
 def estimate(
     particles: Particles,
     geometry: Geometry,
-    fill: tuple[Block | Bed, ...],
+    obstacle: tuple[AnyObstacle, ...],
+    fill: tuple[AnyFill, ...],
     inflow: Inflow | None,
 ) -> dict[str, float]:
     """Return the estimate of :func:`particle_estimate` from single tables.
@@ -43,9 +55,9 @@ def estimate(
     """
     spacing = particles.spacing
     layers = int(particles.effective_radius) + 1
-    areas = [area.volume for part in fill if (area := covered(part, geometry, particles))]
     if isinstance(geometry, Tank3D):
-        return _estimate_in_three(particles, geometry, sum(areas))
+        return _estimate_in_three(particles, geometry, obstacle, fill)
+    areas = [area.volume for part in fill if (area := covered(part, geometry, particles))]
     supply = inflow.depth if inflow and isinstance(geometry, Channel) else 0.0
     # Divided twice, since the square of a very small spacing would be zero.
     fluid = sum(areas) / spacing / spacing
@@ -62,21 +74,46 @@ def estimate(
     }
 
 
-def _estimate_in_three(particles: Particles, geometry: Tank3D, volume: float) -> dict[str, float]:
-    """Return the estimate of a tank in three dimensions, from the volume of its fills, m3."""
+def _estimate_in_three(
+    particles: Particles,
+    geometry: Tank3D,
+    obstacle: tuple[AnyObstacle, ...],
+    fill: tuple[AnyFill, ...],
+) -> dict[str, float]:
+    """Return the estimate of a tank in three dimensions.
+
+    Obstacles by their surface and the layers under it, at most by their volume.
+    """
     layers, spacing = int(particles.effective_radius) + 1, particles.spacing
     long, wide, high = (s / spacing for s in (geometry.length, geometry.width, geometry.height))
     across = wide if geometry.periodic else wide + 2 * layers
     around = (long + 2 * layers) * across - long * wide
     wall = (long + 2 * layers) * across * layers + around * high
-    fluid = volume / spacing / spacing / spacing
+    for body in obstacle:
+        volume, surface = _volume_and_area(body)
+        wall += min(volume / spacing, surface * layers) / spacing / spacing
+    volumes = [
+        surface_of(part).volume if isinstance(part, MeshFill) else area.volume
+        for part in fill
+        if (area := covered(part, geometry, particles))
+    ]
+    fluid = sum(volumes) / spacing / spacing / spacing
+    drawn = (long + 2 * layers) * across * (high + layers)
     return {
         "fluid": fluid,
         "inflow": 0.0,
         "wall": wall,
         "total": fluid + wall,
-        "memory": BYTES_OF_THE_PROGRAM + BYTES_IN_THREE * (fluid + wall),
+        "memory": BYTES_OF_THE_PROGRAM + BYTES_IN_THREE * (fluid + wall) + BYTES_A_CELL * drawn,
     }
+
+
+def _volume_and_area(body: AnyObstacle) -> tuple[float, float]:
+    if not isinstance(body, BoxObstacle):
+        surface = surface_of(body)
+        return surface.volume, surface.area
+    a, b, c = (end - start for start, end in (body.x, body.y, body.z))
+    return a * b * c, 2 * (a * b + b * c + c * a)
 
 
 def available_memory() -> float | None:

@@ -15,14 +15,16 @@ from pydantic import ValidationError, create_model
 
 from debrisflow.case.checks import cross_check
 from debrisflow.case.defaults import complete
+from debrisflow.case.fields import NONE, Table
 from debrisflow.case.hydrograph import inline_hydrograph
+from debrisflow.case.meshes import find_meshes
 from debrisflow.case.overrides import apply_overrides
 from debrisflow.case.problems import Problem, locate, translate
-from debrisflow.case.tables import NONE, Case, Table
+from debrisflow.case.tables import Case, follow_dimension
 from debrisflow.errors import CaseError
 
-# A pair of numbers, which the writer spreads over four lines.
-_PAIR = re.compile(r"\[\n *([-+.\w]+),\n *([-+.\w]+),\n *\]")
+# Two or three numbers, which the writer spreads over as many lines and two.
+_FEW_NUMBERS = re.compile(r"\[\n((?: *[-+.\w]+,\n){2,3}) *\]")
 _HEAD = """\
 # Resolved case: every default is written out, so that the run can be repeated from this file.
 # A value that followed from another when it was left out does not follow it any more.
@@ -48,11 +50,14 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
     path = Path(path)
     data = _read(path)
     problems = apply_overrides(data, overrides)
-    unread = inline_hydrograph(data, path.parent)
+    unread = find_meshes(data, path.parent)
+    if supply := inline_hydrograph(data, path.parent):
+        unread["inflow"] = supply
     tables, wrong = _build(data)
-    if unread:
-        tables.pop("inflow", None)
-    problems += unread + wrong + cross_check(tables)
+    for name, reasons in unread.items():
+        tables.pop(name, None)
+        problems += reasons
+    problems += wrong + cross_check(tables)
     if problems:
         count = f"{len(problems)} error" + ("s" if len(problems) > 1 else "")
         raise CaseError("\n".join([f"{path}: {count}", *(f"  {problem}" for problem in problems)]))
@@ -63,14 +68,16 @@ def dump_case(case: Case) -> str:
     """Return a case as TOML that loads as the same case.
 
     What another field stands for is left out: acceleration and slope beside a gravity vector,
-    the concentration of a supply beside its hydrograph.
+    the concentration of a supply beside its hydrograph.  A mesh stays in its file, named by its
+    absolute path.
     """
     data = case.model_dump(exclude_none=True)
     if case.gravity.vector is not None:
         del data["gravity"]["acceleration"], data["gravity"]["slope"]
     if case.inflow is not None and case.inflow.hydrograph is not None:
         del data["inflow"]["concentration"]
-    return _HEAD + _PAIR.sub(r"[\1, \2]", tomli_w.dumps(data))
+    text = tomli_w.dumps(data)
+    return _HEAD + _FEW_NUMBERS.sub(lambda few: f"[{' '.join(few[1].split()).rstrip(',')}]", text)
 
 
 def case_schema() -> str:
@@ -139,6 +146,7 @@ def _buildable(data: dict[str, Any]) -> dict[str, Any]:
         if name not in failed
     }
     part = create_model("Part", __base__=Table, **fields)
+    data = follow_dimension(data)
     return dict(part.model_validate({name: data[name] for name in fields if name in data}))
 
 

@@ -8,8 +8,10 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from debrisflow.case.tables import NONE, Case, Table
+from debrisflow.case.fields import NONE, Table
+from debrisflow.case.tables import Case
 
+Problems = Iterator["Problem"]
 ABSENT = object()
 LONGEST_VALUE = 60
 
@@ -37,6 +39,11 @@ class Problem(NamedTuple):
             return f"{self.key}: {self.message}"
         unit = unit_of(locate(self.key.split(".")).field)
         return f"{self.key} = {show(self.value)}{unit}: {self.message}"
+
+
+def was_set(table: Table, name: str) -> bool:
+    """Tell whether a field differs from its default, however the file came to state it."""
+    return bool(getattr(table, name) != type(table).model_fields[name].default)
 
 
 class Place(NamedTuple):
@@ -212,8 +219,8 @@ def _list_of(place: Place) -> str:
     if any(_tables(annotation)):
         return f"must be an array of tables, each under its own [[{place.key}]]"
     members = {get_args(m) for m in (annotation, *get_args(annotation)) if get_origin(m) is tuple}
-    pair = any(len(inner) == 2 and Ellipsis not in inner for inner in members)
-    return "must be a list of 2 numbers" if pair else "must be a list of numbers"
+    counts = [len(inner) for inner in members if Ellipsis not in inner]
+    return f"must be a list of {counts[0]} numbers" if counts else "must be a list of numbers"
 
 
 _Telling = Callable[[Mapping[str, Any], Place], str]
@@ -229,6 +236,9 @@ _MESSAGES: dict[str, _Telling] = {
     "string_type": lambda *_: "must be text in quotes",
     "model_type": lambda *_: "must be a table",
     "model_attributes_type": lambda *_: "must be a table",
+    "string_pattern_mismatch": lambda *_: (
+        "must be small letters, digits and underscores, first a letter"
+    ),
     "tuple_type": lambda _, place: _list_of(place),
     "too_long": lambda _, place: _list_of(place),
 }

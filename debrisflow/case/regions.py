@@ -1,14 +1,34 @@
-"""The boxes that fills and bed cover, as far as the case file tells them."""
+"""What fills, bed and obstacles cover, as far as the case file and its meshes tell."""
 
 from __future__ import annotations
 
 from math import prod
+from pathlib import Path
 from typing import NamedTuple
 
-from debrisflow.case.tables import Bed, Block, Channel, Particles, Tank, Tank3D
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case.bodies import MeshFill, MeshObstacle
+from debrisflow.case.tables import (
+    AnyFill,
+    AnyObstacle,
+    Bed,
+    Channel,
+    Particles,
+    Tank,
+    Tank3D,
+)
+from debrisflow.surface import Surface, cells_inside, read_surface
 
 Geometry = Tank | Channel | Tank3D
 WEIR_SPACINGS = 4
+# Share of a spacing by which a length may miss a multiple of it, for round-off in decimals.
+TOLERANCE = 1e-6
+# The same for a mesh, whose file may hold no more than seven digits.
+MESH_SLACK = 1e-3
+# Cells of the box around a mesh up to which it is drawn at the door, within a gigabyte.
+MOST_CELLS = 2e7
 
 
 class Region(NamedTuple):
@@ -61,17 +81,71 @@ def recess(geometry: Geometry, particles: Particles) -> Region | None:
     return Region((geometry.bed_start, -geometry.bed_thickness), (end, 0.0))
 
 
-def covered(part: Block | Bed, geometry: Geometry, particles: Particles) -> Region | None:
-    """Return what a fill covers, None for a bed without a recess.
+def surface_of(part: MeshFill | MeshObstacle) -> Surface:
+    """Return the surface of a mesh where the case puts it."""
+    return read_surface(Path(part.file)).placed(part.scale, part.offset)
 
-    A block in three dimensions that states no z covers nothing.
+
+def covered(part: AnyFill, geometry: Geometry, particles: Particles) -> Region | None:
+    """Return what a fill covers, of a mesh the box around it; None where it has no place.
+
+    That is a bed without a recess, or a mesh in two dimensions.  A block in three dimensions that
+    states no z covers nothing.
     """
     if isinstance(part, Bed):
         return recess(geometry, particles)
+    if isinstance(part, MeshFill):
+        return occupied(part) if isinstance(geometry, Tank3D) else None
     extents = [part.x, part.y]
     if isinstance(geometry, Tank3D):
         extents.append(part.z or (0.0, 0.0))
     return Region(tuple(e[0] for e in extents), tuple(e[1] for e in extents))
+
+
+def occupied(part: AnyObstacle | MeshFill) -> Region:
+    """Return the extents of an obstacle, or of what a mesh fills."""
+    if isinstance(part, MeshFill | MeshObstacle):
+        surface = surface_of(part)
+        return Region(tuple(surface.lower.tolist()), tuple(surface.upper.tolist()))
+    extents = (part.x, part.y, part.z)
+    return Region(tuple(e[0] for e in extents), tuple(e[1] for e in extents))
+
+
+def lattice_points(mesh: MeshFill | MeshObstacle, particles: Particles) -> NDArray[np.int64] | None:
+    """Return the cells whose centers a mesh encloses, None where they are too many.
+
+    Then the check of the memory, which is made before any array, shall speak.
+    """
+    if occupied(mesh).volume / particles.spacing**3 > MOST_CELLS:
+        return None
+    return cells_inside(surface_of(mesh), particles.spacing)
+
+
+def shared_space(
+    bodies: tuple[AnyFill | AnyObstacle, AnyFill | AnyObstacle], both: Region, particles: Particles
+) -> Region | None:
+    """Return in which region two bodies, whose extents share a region, overlap, or None.
+
+    Meshes overlap where they enclose the center of a cell.
+    """
+    if both.shrunk(TOLERANCE * particles.spacing).volume <= 0:
+        return None
+    within: list[NDArray[np.int64]] = []
+    for mesh in bodies:
+        if isinstance(mesh, MeshFill | MeshObstacle):
+            cells = lattice_points(mesh, particles)
+            if cells is None:
+                return None
+            center = (cells + 0.5) * particles.spacing
+            within.append(cells[np.all((center > both.lower) & (center < both.upper), axis=1)])
+    if not within:
+        return both
+    cells, times = np.unique(np.concatenate(within), axis=0, return_counts=True)
+    shared = cells[times == len(within)] * particles.spacing
+    if not len(shared):
+        return None
+    lower, upper = shared.min(axis=0), shared.max(axis=0) + particles.spacing
+    return Region(tuple(lower.tolist()), tuple(upper.tolist()))
 
 
 def open_space(geometry: Geometry, particles: Particles) -> list[Region]:

@@ -6,12 +6,12 @@ from itertools import product
 from math import hypot, sqrt
 
 from debrisflow.case.regions import Geometry, Region, covered
-from debrisflow.case.tables import Bed, Block, Gravity, Inflow, Particles, Walls
+from debrisflow.case.tables import AnyFill, Bed, Gravity, Inflow, Particles, Walls
 
 
-def given_speed(fill: tuple[Block | Bed, ...], inflow: Inflow | None, walls: Walls) -> float:
+def given_speed(fill: tuple[AnyFill, ...], inflow: Inflow | None, walls: Walls) -> float:
     """Return the largest speed in the case file: of a fill, a wall or the supply, m/s."""
-    speeds = [hypot(*part.velocity) for part in fill if isinstance(part, Block)]
+    speeds = [hypot(*part.velocity) for part in fill if not isinstance(part, Bed)]
     speeds += [hypot(*wall.velocity) for _, wall in walls]
     if inflow is not None:
         graph = inflow.hydrograph
@@ -23,7 +23,7 @@ def given_speed(fill: tuple[Block | Bed, ...], inflow: Inflow | None, walls: Wal
 
 
 def fall_speed(
-    fill: tuple[Block | Bed, ...],
+    fill: tuple[AnyFill, ...],
     inflow: Inflow | None,
     geometry: Geometry,
     particles: Particles,
@@ -40,4 +40,4 @@ def fall_speed(
         if area is not None
         for x, y in product((area.lower[0], area.upper[0]), (area.lower[-1], area.upper[-1]))
     ]
-    return sqrt(2.0 * (max(levels) - min(levels)))
+    return sqrt(2.0 * (max(levels) - min(levels))) if levels else 0.0

@@ -9,24 +9,10 @@ from __future__ import annotations
 from math import atan2, cos, radians, sin
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag, model_validator
+from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
-NONE = "-"
-Interval = Annotated[tuple[float, float], Strict(False)]
-Vector = Annotated[tuple[float, float], Strict(False)]
-Series = Annotated[tuple[float, ...], Strict(False)]
-Components = Annotated[tuple[float, ...], Strict(False), Field(min_length=2, max_length=3)]
-
-
-def quantity(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
-    """Return a pydantic field that carries its unit into the JSON schema."""
-    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
-
-
-class Table(BaseModel):
-    """A frozen table of the case file that refuses unknown keys and non-finite numbers."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
+from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
 
 
 class Particles(Table):
@@ -147,6 +133,10 @@ class Bed(Table):
     sediment_share: float = quantity(NONE, "share of sediment particles in a mix", 0.5, ge=0, le=1)
 
 
+AnyFill = Block | Bed | MeshFill
+AnyObstacle = BoxObstacle | MeshObstacle
+
+
 class Wall(Table):
     """What a wall does to the fluid along it."""
 
@@ -175,19 +165,6 @@ class Walls(Table):
     ceiling: Wall = Field(default=Wall(), description="ceiling of a tank")
     front: Wall = Field(default=Wall(), description="wall at y = 0, in three dimensions")
     back: Wall = Field(default=Wall(), description="wall at y = width, in three dimensions")
-
-
-class BoxObstacle(Table):
-    """A box of wall in the way of the flow."""
-
-    type: Literal["box"]
-    name: str = quantity(
-        NONE, "name of the obstacle, by which probes refer to it", pattern=r"^[a-z][a-z0-9_]*$"
-    )
-    x: Interval = quantity("m", "extent along x")
-    y: Interval = quantity("m", "extent along y")
-    z: Interval = quantity("m", "extent along z")
-    slip: Literal["no-slip", "free-slip"] = quantity(NONE, "condition along the wall", "no-slip")
 
 
 class Hydrograph(Table):
@@ -414,6 +391,23 @@ class Output(Table):
     rest_speed: float = quantity("m/s", "speed below which a deposit is at rest", 0.05, gt=0)
 
 
+def follow_dimension(data: Any) -> Any:
+    """Return the data of a case in which radius and scheme left out follow the dimension."""
+    geometry = data.get("geometry") if isinstance(data, dict) else None
+    named = geometry.get("type") if isinstance(geometry, dict) else None
+    if named != "tank3d" and not isinstance(geometry, Tank3D):
+        return data
+    data = dict(data)
+    for name, defaults in (
+        ("particles", {"effective_radius": 2.4}),
+        ("scheme", {"type": "explicit"}),
+    ):
+        given = data.get(name, {})
+        if isinstance(given, dict):
+            data[name] = defaults | given
+    return data
+
+
 class Case(Table):
     """A whole case file."""
 
@@ -422,11 +416,11 @@ class Case(Table):
     gravity: Gravity = Gravity()
     geometry: Annotated[Tank | Channel | Tank3D, Field(discriminator="type")]
     obstacle: Annotated[
-        tuple[Annotated[BoxObstacle, Field(discriminator="type")], ...], Strict(False)
+        tuple[Annotated[AnyObstacle, Field(discriminator="type")], ...], Strict(False)
     ] = Field((), description="walls in the way of the flow, in three dimensions")
-    fill: Annotated[
-        tuple[Annotated[Block | Bed, Field(discriminator="type")], ...], Strict(False)
-    ] = Field((), description="what is filled with particles at the start")
+    fill: Annotated[tuple[Annotated[AnyFill, Field(discriminator="type")], ...], Strict(False)] = (
+        Field((), description="what is filled with particles at the start")
+    )
     walls: Walls = Walls()
     inflow: Inflow | None = None
     water: Water = Water()
@@ -447,17 +441,4 @@ class Case(Table):
     @model_validator(mode="before")
     @classmethod
     def _follow_dimension(cls, data: Any) -> Any:
-        """Let influence radius and scheme that are left out follow the dimension."""
-        geometry = data.get("geometry") if isinstance(data, dict) else None
-        named = geometry.get("type") if isinstance(geometry, dict) else None
-        if named != "tank3d" and not isinstance(geometry, Tank3D):
-            return data
-        data = dict(data)
-        for name, defaults in (
-            ("particles", {"effective_radius": 2.4}),
-            ("scheme", {"type": "explicit"}),
-        ):
-            given = data.get(name, {})
-            if isinstance(given, dict):
-                data[name] = defaults | given
-        return data
+        return follow_dimension(data)

@@ -1,0 +1,308 @@
+"""Checks of the space: tank and channel, what lies in them, and the lattice that they share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+from math import degrees, isfinite, radians, tan
+
+from debrisflow.case.bodies import BoxObstacle, MeshFill
+from debrisflow.case.fields import Interval
+from debrisflow.case.problems import Problem, Problems, was_set
+from debrisflow.case.regions import (
+    MESH_SLACK,
+    TOLERANCE,
+    WEIR_SPACINGS,
+    Geometry,
+    bed_end,
+    covered,
+    open_space,
+    shared_space,
+)
+from debrisflow.case.tables import (
+    AnyFill,
+    AnyObstacle,
+    Bed,
+    Block,
+    Channel,
+    Gravity,
+    Inflow,
+    Particles,
+    Strength,
+    Tank,
+    Tank3D,
+    Walls,
+)
+
+Fill = tuple[AnyFill, ...]
+Obstacles = tuple[AnyObstacle, ...]
+
+FEWEST_SPACINGS = 4
+FEWEST_BED_SPACINGS = 3
+LARGEST_BEND = 25.0  # degrees; its cosine is above operators.EDGE, so that a floor is no edge
+
+
+def fills_of_dimension(geometry: Geometry, fill: Fill) -> Problems:
+    """Check that fills have the dimension of the space."""
+    dimension = 3 if isinstance(geometry, Tank3D) else 2
+    for k, part in enumerate(fill):
+        if isinstance(part, MeshFill) and dimension == 2:
+            message = "only in three dimensions: geometry.type = 'tank3d'"
+            yield Problem(f"fill.{k}.type", message, part.type)
+        if isinstance(part, Block) and dimension == 3 and part.z is None:
+            yield Problem(f"fill.{k}.z", "missing: extent along z, in three dimensions (m)")
+        if isinstance(part, Block) and dimension == 2 and part.z is not None:
+            message = "only in three dimensions; leave it out, or set geometry.type = 'tank3d'"
+            yield Problem(f"fill.{k}.z", message, part.z)
+        if (
+            not isinstance(part, Bed)
+            and was_set(part, "velocity")
+            and len(part.velocity) != dimension
+        ):
+            message = f"must be a list of {dimension} numbers, one for each dimension"
+            yield Problem(f"fill.{k}.velocity", message, part.velocity)
+
+
+def intervals_in_order(
+    geometry: Geometry,
+    particles: Particles,
+    obstacle: Obstacles,
+    fill: Fill,
+    strength: Strength,
+) -> Problems:
+    """Check that intervals begin before they end."""
+    intervals = _extents(fill, obstacle)
+    intervals["strength.concentration_ramp"] = strength.concentration_ramp
+    for key, interval in intervals.items():
+        if interval[0] >= interval[1]:
+            yield Problem(key, "the first number must be less than the second", interval)
+    if isinstance(geometry, Channel):
+        end = bed_end(geometry, particles)
+        if geometry.bed_thickness > 0 and geometry.bed_start >= end:
+            message = f"must be less than bed_end = {end:g} m"
+            yield Problem("geometry.bed_start", message, geometry.bed_start)
+        if end > geometry.length:
+            message = f"must be at most the length {geometry.length:g} m"
+            yield Problem("geometry.bed_end", message, end)
+
+
+def _extents(fill: Fill, obstacle: Obstacles) -> dict[str, Interval]:
+    """Return the extents of blocks and boxes by their keys."""
+    bodies = [(f"fill.{k}", part) for k, part in enumerate(fill) if isinstance(part, Block)]
+    boxes = [(f"obstacle.{k}", b) for k, b in enumerate(obstacle) if isinstance(b, BoxObstacle)]
+    return {
+        f"{key}.{axis}": extent
+        for key, body in (*bodies, *boxes)
+        for axis in "xyz"
+        if (extent := getattr(body, axis)) is not None
+    }
+
+
+def lengths_on_lattice(
+    geometry: Geometry,
+    particles: Particles,
+    obstacle: Obstacles,
+    fill: Fill,
+    inflow: Inflow | None,
+) -> Problems:
+    """Check that lengths are multiples of the spacing, so that the lattice has no gaps."""
+    lengths: dict[str, float] = {}
+    if isinstance(geometry, Tank):
+        names = ["width", "height"]
+    elif isinstance(geometry, Tank3D):
+        names = ["length", "width", "height"]
+    else:
+        names = ["length", "bed_start", "bed_thickness", "weir_height"]
+        names += [n for n in ("bed_end", "runout_start") if getattr(geometry, n) is not None]
+    lengths |= {f"geometry.{name}": getattr(geometry, name) for name in names}
+    if inflow is not None and inflow.depth >= particles.spacing:
+        lengths["inflow.depth"] = inflow.depth
+    for key, extent in _extents(fill, obstacle).items():
+        lengths |= {f"{key}.{end}": extent[end] for end in (0, 1)}
+    for key, length in lengths.items():
+        count = length / particles.spacing
+        if not isfinite(count) or abs(count - round(count)) <= TOLERANCE:
+            continue
+        nearest = max(round(count), 1) if length > 0 else min(round(count), -1)
+        yield Problem(
+            key,
+            f"not a multiple of the spacing {particles.spacing:g} m; "
+            f"the nearest is {nearest * particles.spacing:.10g} m",
+            length,
+        )
+
+
+def space_resolved(geometry: Geometry, particles: Particles, inflow: Inflow | None) -> Problems:
+    """Check that the spacing resolves tank, channel, bed and supply."""
+    spacing = particles.spacing
+    across = ["height"]
+    if isinstance(geometry, Tank3D):
+        across.append("length")
+    if not geometry.periodic:
+        across.append("length" if isinstance(geometry, Channel) else "width")
+    for name in across:
+        length = getattr(geometry, name)
+        if length < (FEWEST_SPACINGS - TOLERANCE) * spacing:
+            message = f"not resolved: must be at least {FEWEST_SPACINGS} spacings of {spacing:g} m"
+            yield Problem(f"geometry.{name}", message, length)
+    if (
+        isinstance(geometry, Channel)
+        and 0 < geometry.bed_thickness < (FEWEST_BED_SPACINGS - TOLERANCE) * spacing
+    ):
+        message = f"not resolved: must be at least {FEWEST_BED_SPACINGS} spacings of {spacing:g} m"
+        yield Problem("geometry.bed_thickness", message, geometry.bed_thickness)
+    if inflow and inflow.depth < (1 - TOLERANCE) * spacing:
+        message = f"not resolved: must be at least one spacing of {spacing:g} m"
+        yield Problem("inflow.depth", message, inflow.depth)
+
+
+def periodic_space(geometry: Geometry, particles: Particles) -> Problems:
+    """Check that a periodic space does not see itself and has no weir."""
+    if not geometry.periodic:
+        return
+    name = "length" if isinstance(geometry, Channel) else "width"
+    least = 3 * (particles.effective_radius + 1) * particles.spacing
+    if getattr(geometry, name) < least * (1 - TOLERANCE):
+        message = (
+            f"too short to be periodic: at least 3 (effective_radius + 1) spacings, {least:g} m"
+        )
+        yield Problem(f"geometry.{name}", message, getattr(geometry, name))
+    if isinstance(geometry, Channel) and geometry.weir_height > 0:
+        yield Problem(
+            "geometry.weir_height", "a periodic channel has no weir", geometry.weir_height
+        )
+
+
+def weir_in_channel(geometry: Geometry) -> Problems:
+    """Check that the weir leaves the channel open above it."""
+    if isinstance(geometry, Channel) and geometry.weir_height >= geometry.height:
+        message = f"must be less than the height of the channel, {geometry.height:g} m"
+        yield Problem("geometry.weir_height", message, geometry.weir_height)
+
+
+def runout_behind_bed(
+    geometry: Geometry, gravity: Gravity, particles: Particles, fill: Fill
+) -> Problems:
+    """Check that a run-out bends up, behind bed and blocks and below the top of the channel."""
+    if not isinstance(geometry, Channel):
+        return
+    start, slack = geometry.runout_start, TOLERANCE * particles.spacing
+    if start is None:
+        if was_set(geometry, "runout_slope"):
+            message = "has no effect without geometry.runout_start"
+            yield Problem("geometry.runout_slope", message, geometry.runout_slope)
+        return
+    if geometry.periodic or geometry.weir_height > 0:
+        other = "geometry.periodic" if geometry.periodic else "geometry.weir_height"
+        yield Problem(other, "leave it out where the channel has a run-out")
+    bend = degrees(gravity.fall) - geometry.runout_slope
+    if not TOLERANCE < bend <= LARGEST_BEND + TOLERANCE:
+        message = (
+            f"the floor must bend up, by at most {LARGEST_BEND:g} degrees, and not by {bend:g}: "
+            f"give less than {degrees(gravity.fall):g} and at least "
+            f"{degrees(gravity.fall) - LARGEST_BEND:g}"
+        )
+        yield Problem("geometry.runout_slope", message, geometry.runout_slope)
+    behind = bed_end(geometry, particles) if geometry.bed_thickness > 0 else 0.0
+    apart = max(WEIR_SPACINGS, int(particles.effective_radius) + 1)
+    behind, before = behind + apart * particles.spacing, geometry.length - apart * particles.spacing
+    if not behind - slack <= start <= before + slack:
+        message = (
+            f"must leave {apart} spacings behind it, and in front of it to the bed or to x = 0: "
+            f"at least {behind:g} and at most {before:g} m"
+        )
+        yield Problem("geometry.runout_start", message, start)
+    rise = (geometry.length - start) * tan(radians(bend))
+    if rise >= geometry.height:
+        message = f"must be greater than the rise of the run-out along the x axis, {rise:.3g} m"
+        yield Problem("geometry.height", message, geometry.height)
+    for k, part in enumerate(fill):
+        if isinstance(part, Block) and part.x[1] > start + slack:
+            message = f"must end before the run-out, x = {start:g} m"
+            yield Problem(f"fill.{k}.x.1", message, part.x[1])
+
+
+def fills_inside(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
+    """Check that fills lie in the open space, and a bed in a recess."""
+    spaces = open_space(geometry, particles)
+    for k, part in enumerate(fill):
+        area = covered(part, geometry, particles)
+        if isinstance(part, Bed) and area is None:
+            message = "needs a recess: a channel whose bed_thickness is greater than 0"
+            yield Problem(f"fill.{k}.type", message, part.type)
+        if isinstance(part, Bed) or area is None:
+            continue
+        slack = (MESH_SLACK if isinstance(part, MeshFill) else TOLERANCE) * particles.spacing
+        if not any(space.shrunk(-slack).holds(area) for space in spaces):
+            room = " or ".join(map(str, dict.fromkeys(spaces)))
+            message = f"the {part.type} {area} is not inside the {geometry.type}, {room}"
+            yield Problem(f"fill.{k}", message)
+
+
+def fills_apart(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
+    """Check that no two fills overlap."""
+    areas = [(part, covered(part, geometry, particles)) for part in fill]
+    for (j, (one, area)), (k, (other, another)) in combinations(enumerate(areas), 2):
+        if area is None or another is None:
+            continue
+        shared = shared_space((one, other), area.overlap(another), particles)
+        if shared:
+            yield Problem(f"fill.{k}", f"overlaps fill.{j} in {shared}")
+
+
+def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
+    """Check that a moving wall exists, moves along itself and lets no fluid slip.
+
+    In three dimensions no wall moves, which is checked with the scheme.
+    """
+    if isinstance(geometry, Tank3D):
+        return
+    present = _walls_present(geometry)
+    for name, wall in walls:
+        key, (along_x, along_y) = f"walls.{name}.velocity", wall.velocity
+        if along_x == 0 and along_y == 0:
+            continue
+        if not present[name]:
+            message = f"there is no {name} wall in this {geometry.type}"
+        elif (
+            name == "floor" and isinstance(geometry, Channel) and geometry.runout_start is not None
+        ):
+            message = "a floor that bends to a run-out cannot move"
+        elif wall.slip == "free-slip":
+            message = "a free-slip wall drags no fluid along; set slip = 'no-slip'"
+        elif along_y != 0 and name in ("floor", "ceiling"):
+            message = "must be along the wall: the second number must be 0"
+        elif along_x != 0 and name in ("left", "right"):
+            message = "must be along the wall: the first number must be 0"
+        else:
+            continue
+        yield Problem(key, message, wall.velocity)
+
+
+def _walls_present(geometry: Tank | Channel) -> dict[str, bool]:
+    """Tell which of the named walls a geometry has."""
+    closed = not geometry.periodic
+    tank = isinstance(geometry, Tank)
+    return {
+        "floor": True,
+        "bed": isinstance(geometry, Channel) and geometry.bed_thickness > 0,
+        "left": closed,
+        "right": closed and (tank or (isinstance(geometry, Channel) and geometry.weir_height > 0)),
+        "ceiling": isinstance(geometry, Tank) and geometry.ceiling,
+        "front": False,
+        "back": False,
+    }
+
+
+CHECKS: tuple[Callable[..., Problems], ...] = (
+    fills_of_dimension,
+    intervals_in_order,
+    lengths_on_lattice,
+    space_resolved,
+    periodic_space,
+    weir_in_channel,
+    runout_behind_bed,
+    fills_inside,
+    fills_apart,
+    walls_that_drag,
+)

@@ -1,0 +1,50 @@
+"""What a case will run, told before it runs."""
+
+import pytest
+
+from debrisflow.forecast import forecast
+from tests.building import tank3d_case, tank_case
+
+
+def test_a_slow_speed_of_sound_is_warned_of():
+    told = forecast(tank3d_case(scheme={"sound_speed": 10.0}))
+    speed = (2 * 9.81 * 0.5) ** 0.5
+    assert told.sound.ratio == pytest.approx(10.0 / speed)
+    assert told.sound.compression == pytest.approx(9.81 * 0.5 / 10.0**2)
+    assert "warning        c/u = 3.19: below 10, the flow is compressible" in str(told)
+    assert "scheme.sound_speed = 31.3 m/s would do" in str(told)
+
+
+def test_ten_times_the_speed_of_a_fall_is_fast_enough():
+    told = forecast(tank3d_case())
+    assert told.sound.ratio == pytest.approx(10.0)
+    assert "warning" not in str(told)
+
+
+def test_the_incompressible_scheme_has_no_speed_of_sound():
+    told = forecast(tank_case(20, 10, "water"))
+    assert told.sound is None
+    assert "c/u            none" in str(told)
+
+
+def test_sound_limits_the_step():
+    told = forecast(tank3d_case(scheme={"sound_speed": 40.0, "courant": 0.8}))
+    assert told.first_step == told.smallest_step == pytest.approx(0.8 * 0.1 / 40.0)
+
+
+def test_a_fast_fill_shortens_the_step():
+    block = {"type": "block", "x": [0, 0.8], "y": [0, 0.6], "z": [0, 0.5], "material": "water"}
+    case = tank3d_case(fill=[block | {"velocity": [20.0, 0.0, 0.0]}], scheme={"sound_speed": 20.0})
+    told = forecast(case)
+    assert told.first_step == pytest.approx(0.2 * 0.1 / 20.0)
+    assert told.smallest_step < told.first_step
+
+
+def test_the_estimate_of_three_dimensions_is_near_the_count():
+    from debrisflow.case.estimate import particle_estimate
+
+    pier = {"type": "box", "name": "pier", "x": [1.0, 1.4], "y": [0.4, 0.8], "z": [0.0, 0.6]}
+    block = {"type": "block", "x": [0, 0.8], "y": [0, 1.2], "z": [0, 0.5], "material": "water"}
+    case = tank3d_case(size=(1.6, 1.2, 1.0), fill=[block], obstacle=[pier])
+    counted = sum(forecast(case).counts.values())
+    assert particle_estimate(case)["total"] == pytest.approx(counted, rel=0.05)
