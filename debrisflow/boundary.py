@@ -154,7 +154,7 @@ def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> 
     below = position < domain.lower
     beyond = position > domain.upper
     below[:, up] = sunk
-    gone: NDArray[np.bool_] = (below | beyond).any(axis=1)
+    gone = np.asarray((below | beyond).any(axis=1))
     if not gone.any():
         return
     aside = np.arange(3) != up
@@ -162,7 +162,7 @@ def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> 
     through = (below & domain.closed[:, 0]) | (beyond & domain.closed[:, 1])
     through[:, aside] &= (level < domain.rim)[:, None]
     through[:, up] &= ~outside
-    leaked: NDArray[np.bool_] = through.any(axis=1)
+    leaked = np.asarray(through.any(axis=1))
     _remove(state, gone, leaked)
 
 
