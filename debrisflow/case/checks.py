@@ -12,12 +12,10 @@ from itertools import combinations, pairwise
 from math import degrees, hypot, isclose, isfinite, radians, sqrt, tan
 from typing import Any
 
-from debrisflow.case.defaults import (
-    FEWEST_RELAXATION_STEPS,
-    phases,
-    viscous_limits,
-)
+from debrisflow.case import probe_checks
+from debrisflow.case.defaults import FEWEST_RELAXATION_STEPS, phases, viscous_limits
 from debrisflow.case.estimate import available_memory, estimate, size
+from debrisflow.case.fields import Table
 from debrisflow.case.problems import Problem
 from debrisflow.case.regions import WEIR_SPACINGS, Geometry, bed_end, covered, open_space
 from debrisflow.case.tables import (
@@ -35,7 +33,6 @@ from debrisflow.case.tables import (
     Scheme,
     Sediment,
     Strength,
-    Table,
     Tank,
     Tank3D,
     Time,
@@ -496,5 +493,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     slip_of_pure_phases,
     step_within_limits,
     density_relaxation_slow,
+    *probe_checks.CHECKS,
     memory_suffices,
 )

@@ -8,6 +8,8 @@ from __future__ import annotations
 from math import hypot, inf, sqrt
 from typing import TypeVar
 
+from debrisflow.case.fields import Table
+from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
 from debrisflow.case.regions import Geometry, bed_end
 from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.case.tables import (
@@ -25,13 +27,13 @@ from debrisflow.case.tables import (
     Scheme,
     Sediment,
     Strength,
-    Table,
     Water,
 )
 
 RELAXATION_STEPS = 50
 LEAST_SOUND_RATIO = 10.0
 FEWEST_RELAXATION_STEPS = 10
+PROBE_SPACINGS = 2
 _Any = TypeVar("_Any", bound=Table)
 
 _FORMS: dict[str, dict[str, str]] = {
@@ -66,7 +68,8 @@ def complete(case: Case) -> Case:
         "time": _filled(case.time, largest_step=step),
         "output": _output(case.output),
     }
-    return case.model_copy(update=tables)
+    probes = tuple(_probe(probe, case.particles) for probe in case.probe)
+    return case.model_copy(update=tables | {"probe": probes})
 
 
 def viscous_limits(
@@ -149,6 +152,12 @@ def _output(output: Output) -> Output:
         deposit_interval=output.interval,
         history_interval=output.interval / 10,
     )
+
+
+def _probe(probe: AnyProbe, particles: Particles) -> AnyProbe:
+    if isinstance(probe, HeightProbe | PressureProbe):
+        return _filled(probe, size=PROBE_SPACINGS * particles.spacing)
+    return probe
 
 
 def sound_speed(case: Case) -> float:

@@ -15,10 +15,11 @@ from pydantic import ValidationError, create_model
 
 from debrisflow.case.checks import cross_check
 from debrisflow.case.defaults import complete
+from debrisflow.case.fields import NONE, Table
 from debrisflow.case.hydrograph import inline_hydrograph
 from debrisflow.case.overrides import apply_overrides
 from debrisflow.case.problems import Problem, locate, translate
-from debrisflow.case.tables import NONE, Case, Table
+from debrisflow.case.tables import Case
 from debrisflow.errors import CaseError
 
 # A pair of numbers, which the writer spreads over four lines.

@@ -8,7 +8,8 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from debrisflow.case.tables import NONE, Case, Table
+from debrisflow.case.fields import NONE, Table
+from debrisflow.case.tables import Case
 
 ABSENT = object()
 LONGEST_VALUE = 60
@@ -229,6 +230,9 @@ _MESSAGES: dict[str, _Telling] = {
     "string_type": lambda *_: "must be text in quotes",
     "model_type": lambda *_: "must be a table",
     "model_attributes_type": lambda *_: "must be a table",
+    "string_pattern_mismatch": lambda *_: (
+        "must be small letters, digits and underscores, first a letter"
+    ),
     "tuple_type": lambda _, place: _list_of(place),
     "too_long": lambda _, place: _list_of(place),
 }

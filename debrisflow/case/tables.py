@@ -9,24 +9,10 @@ from __future__ import annotations
 from math import atan2, cos, radians, sin
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag, model_validator
+from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
-NONE = "-"
-Interval = Annotated[tuple[float, float], Strict(False)]
-Vector = Annotated[tuple[float, float], Strict(False)]
-Series = Annotated[tuple[float, ...], Strict(False)]
-Components = Annotated[tuple[float, ...], Strict(False), Field(min_length=2, max_length=3)]
-
-
-def quantity(unit: str, description: str, default: Any = ..., **limits: Any) -> Any:
-    """Return a pydantic field that carries its unit into the JSON schema."""
-    return Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
-
-
-class Table(BaseModel):
-    """A frozen table of the case file that refuses unknown keys and non-finite numbers."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
+from debrisflow.case.probes import AnyProbe
 
 
 class Particles(Table):
@@ -437,6 +423,9 @@ class Case(Table):
     scheme: AnyScheme = Scheme()
     time: Time
     output: Output
+    probe: Annotated[
+        tuple[Annotated[AnyProbe, Field(discriminator="type")], ...], Strict(False)
+    ] = Field((), description="what is measured while the case runs, each into its own file")
 
     @property
     def dimension(self) -> int:
