@@ -45,6 +45,7 @@ from debrisflow.wall_pressure import (
 
 Floats = NDArray[np.float64]
 UPWARD = 0.5  # upward part of the normal above which a wall carries what stands on it
+_OF_STEP = "of the step before, at a start none"
 _TIME = "time: s; end of the step in which the sample was due"
 
 
@@ -336,7 +337,7 @@ def _meanings(probe: AnyProbe, dimension: int) -> list[tuple[str, str]]:
             ("filled_height", "m; volume of all particles in the column over the area of its base"),
         ]
     if isinstance(probe, PressureProbe):
-        return [("pressure", "Pa; mean over the patch, 0 where it is dry")]
+        return [("pressure", f"Pa; mean over the patch, 0 where it is dry; {_OF_STEP}")]
     if isinstance(probe, ForceProbe):
         return _force_meanings(dimension)
     return _section_meanings(dimension)
@@ -345,11 +346,11 @@ def _meanings(probe: AnyProbe, dimension: int) -> list[tuple[str, str]]:
 def _force_meanings(dimension: int) -> list[tuple[str, str]]:
     if dimension == 2:
         return [
-            ("force_x, force_y", "N per meter of width; of the pressure on the wall"),
+            ("force_x, force_y", f"N per meter of width; of the pressure on the wall; {_OF_STEP}"),
             ("moment_z", "N m per meter of width; counterclockwise about the given point"),
         ]
     return [
-        ("force_x, force_y, force_z", "N; of the pressure on the wall"),
+        ("force_x, force_y, force_z", f"N; of the pressure on the wall; {_OF_STEP}"),
         ("moment_x, moment_y, moment_z", "N m; about the given point"),
     ]
 

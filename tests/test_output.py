@@ -4,6 +4,7 @@ import csv
 import json
 import logging
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -279,6 +280,13 @@ def test_a_schedule_does_not_drift():
         time = schedule.next_after(time)
         assert time == k * 0.1
     assert schedule.next_after(time) == 1000.0
+
+
+def test_a_due_time_passes_once():
+    schedule = Schedule(0.1, 0.0, 0.35)
+    times = [-math.inf, 0.0, 0.04, 0.1 - 1e-16, 0.13, 0.17, 0.31, 0.35, 0.4]
+    passed = [schedule.passed_due(one, other) for one, other in pairwise(times)]
+    assert passed == [True, False, True, False, False, True, True, False]
 
 
 def test_rounding_does_not_make_a_time_due_twice():

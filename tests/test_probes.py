@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-
 import numpy as np
 import pytest
 
@@ -48,9 +46,7 @@ def still_water(dimension, probes, depth=0.5, obstacle=(), **tables):
     p.fluid_count -= p.count - kept.size
     p.take(kept)
     p.pressure[p.fluid] = p.density[p.fluid] * 9.81 * (depth - p.position[p.fluid, up])
-    p.number_density[:] = reference(
-        dimension, case.particles.effective_radius, D0
-    ).number_density
+    p.number_density[:] = reference(dimension, case.particles.effective_radius, D0).number_density
     return case, state
 
 
@@ -254,10 +250,3 @@ def test_what_returns_through_the_end_of_a_period_is_counted_where_it_passes():
     p.position[p.fluid, 0] = (p.position[p.fluid, 0] + D0) % 1.0
     crossings.count(state)
     assert state.crossed[0, 0] == 10
-
-
-def rows_of(path):
-    """Return head and rows of the file of a probe."""
-    lines = path.read_text().splitlines()
-    head = [line for line in lines if line.startswith("#")]
-    return head, list(csv.DictReader(lines[len(head) :]))
