@@ -46,7 +46,7 @@ def compress(particles: Particles, case: tables.Case) -> None:
     bottom, top = height[first] - 0.5 * d0, height[last] + 0.5 * d0
     beneath = cell[order[first]]
     beneath[:, up] -= 1
-    stands = _are_among(beneath, cell[particles.fluid_count :])
+    stands = are_among(beneath, cell[particles.fluid_count :])
     head, h = (height - bottom[column]), (top - bottom)[column]
     compression = gradient * (h - head)
     settled = np.log((1.0 + gradient * h) / (1.0 + compression)) / gradient
@@ -72,7 +72,7 @@ def jitter(particles: Particles, case: tables.Case) -> None:
     particles.position[particles.fluid, : case.dimension] += step[:, : case.dimension]
 
 
-def _are_among(cells: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[np.bool_]:
+def are_among(cells: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Return which of the (n, 3) cells stand among the (m, 3) others."""
     every = np.concatenate([cells, others])
     every -= every.min(axis=0)

@@ -168,7 +168,7 @@ def deposit_profile(
 
     deposit, flow = np.zeros((2, centers.size))
     for i in np.unique(number[deposited]):
-        deposit[i] = _contiguous_height(height[deposited & (number == i)], d0)
+        deposit[i] = contiguous_height(height[deposited & (number == i)], d0)
     np.maximum.at(flow, number[dense], height[dense] + 0.5 * d0)
     share = _mean_by_bin(
         phase_fractions(case)[kind[rows]], number, height + 0.5 * d0 <= flow[number], centers.size
@@ -176,7 +176,7 @@ def deposit_profile(
     return DepositProfile(centers, deposit, flow, share)
 
 
-def _contiguous_height(height: Floats, d0: float) -> float:
+def contiguous_height(height: Floats, d0: float) -> float:
     """Return the top of a pile; the floor counts as a particle half a spacing below it."""
     climbing = np.append(-0.5 * d0, np.sort(height))
     gaps = np.flatnonzero(np.diff(climbing) > LARGEST_GAP * d0)

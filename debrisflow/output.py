@@ -6,7 +6,7 @@ import json
 import logging
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -17,6 +17,7 @@ from debrisflow.deposit import DepositWriter
 from debrisflow.errors import OutputError
 from debrisflow.history import HistoryWriter
 from debrisflow.measures import DepositProfile
+from debrisflow.probes import ProbeWriter, is_probe_file
 from debrisflow.state import State
 from debrisflow.vtu import FOLDER, Collection
 
@@ -27,6 +28,7 @@ HISTORY = "history.csv"
 SUMMARY = "summary.json"
 LOG = "run.log"
 CHECKPOINT = "checkpoint.h5"
+PROBES = "probes"
 POSTPROCESS = "postprocess"
 RESULTS = (CASE, FRAMES, DEPOSIT, HISTORY, SUMMARY, LOG, CHECKPOINT)
 DERIVED = ("front.csv", "profiles.csv", "deposit_profile.csv")
@@ -69,6 +71,10 @@ class Schedule:
         """Return whether a time, s, is a due time."""
         return abs(self.next_after(time - 2.0 * self._rounding) - time) <= self._rounding
 
+    def passed_due(self, before: float, time: float) -> bool:
+        """Return whether a due time is later than a time ``before``, s, and not than ``time``."""
+        return self.next_after(before) <= time + self._rounding
+
 
 class RunFolder:
     """The folder that holds the case, the results and the checkpoint of one run.
@@ -79,6 +85,7 @@ class RunFolder:
     ----------
     path : Path
         An existing folder; see :meth:`create` and :meth:`open`.
+    case : Case
 
     Attributes
     ----------
@@ -87,12 +94,18 @@ class RunFolder:
         Logger of the package.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, case: tables.Case) -> None:
         self.path = path
         self.checkpoint_path = path / CHECKPOINT
         self._frames = Collection(path / FRAMES)
         self._deposit = DepositWriter(path / DEPOSIT)
         self._history = HistoryWriter(path / HISTORY)
+        if case.probe:
+            (path / PROBES).mkdir(exist_ok=True)
+        self._probes = {
+            probe.name: ProbeWriter(path / PROBES / f"{probe.name}.csv", probe, case.dimension)
+            for probe in case.probe
+        }
         self.log = logging.getLogger("debrisflow")
         self.log.setLevel(logging.INFO)
         self._handler = logging.FileHandler(path / LOG, encoding="utf-8")
@@ -121,13 +134,13 @@ class RunFolder:
             _clear(path, overwrite)
             with replaced(path / CASE) as unfinished:
                 unfinished.write_text(dump_case(case), encoding="utf-8")
-            return cls(path)
+            return cls(path, case)
         except OSError as error:
             raise OutputError(f"cannot write into {path}: {error.strerror}") from error
 
     @classmethod
-    def open(cls, path: Path) -> Self:
-        """Return the folder of an earlier run, to be continued.
+    def open(cls, path: Path, case: tables.Case) -> Self:
+        """Return the folder of an earlier run of a case, to be continued.
 
         Raises
         ------
@@ -137,7 +150,7 @@ class RunFolder:
         if not (path / CASE).is_file():
             raise OutputError(f"{path} is no run folder: it holds no {CASE}")
         try:
-            return cls(path)
+            return cls(path, case)
         except OSError as error:
             raise OutputError(f"cannot write into {path}: {error.strerror}") from error
 
@@ -153,6 +166,10 @@ class RunFolder:
         """Append a row of :func:`debrisflow.history.history_row`."""
         self._history.write(row)
 
+    def write_probe(self, name: str, time: float, sample: Sequence[float]) -> None:
+        """Append the sample of a probe at a time, s."""
+        self._probes[name].write(time, sample)
+
     def write_summary(self, summary: Mapping[str, Any]) -> None:
         """Write what a finished run says of itself."""
         with replaced(self.path / SUMMARY) as unfinished:
@@ -163,6 +180,8 @@ class RunFolder:
         self._frames.drop_after(time)
         self._deposit.truncate_after(time)
         self._history.truncate_after(time)
+        for probe in self._probes.values():
+            probe.truncate_after(time)
         (self.path / SUMMARY).unlink(missing_ok=True)
 
     def detach_log(self) -> None:
@@ -174,6 +193,8 @@ class RunFolder:
         """Close all files."""
         self._deposit.close()
         self._history.close()
+        for probe in self._probes.values():
+            probe.close()
         self.detach_log()
 
     def __enter__(self) -> Self:
@@ -193,8 +214,9 @@ class RunFolder:
 def _results(path: Path) -> Iterator[Path]:
     """Yield the files of ours that a folder holds, those of a broken-off write among them."""
     tables_and_logs = [path / name for name in RESULTS]
+    probes = [file for file in path.glob(f"{PROBES}/*.csv") if is_probe_file(file)]
     derived = [path / POSTPROCESS / name for name in DERIVED]
-    for file in (*tables_and_logs, *derived):
+    for file in (*tables_and_logs, *probes, *derived):
         for written in (file, file.with_name(file.name + UNFINISHED)):
             if written.is_file():
                 yield written
@@ -217,6 +239,6 @@ def _clear(path: Path, overwrite: bool) -> None:
         )
     for file in results:
         file.unlink()
-    for folder in (path / FOLDER, path / POSTPROCESS):
+    for folder in (path / FOLDER, path / PROBES, path / POSTPROCESS):
         if folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()

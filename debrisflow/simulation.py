@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
+import math
 import platform
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import version
-from math import ceil
 from pathlib import Path
 from threading import current_thread, main_thread
 from time import perf_counter
@@ -24,6 +24,7 @@ from debrisflow.explicit import Explicit
 from debrisflow.history import history_row
 from debrisflow.measures import deposit_profile
 from debrisflow.output import CASE, CHECKPOINT, RunFolder, Schedule
+from debrisflow.probes import Crossings, probe_measures
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import PHASES, State, initial_state
 
@@ -66,6 +67,7 @@ def simulate(
         run = _Run(case, results, state, threads)
         run.scheme.fill_number_density(state)
         run.write(0)
+        run.sample(-math.inf)
         return run.finish()
 
 
@@ -73,7 +75,7 @@ def resume(folder: Path, threads: int | None = None) -> dict[str, Any]:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`."""
     case = load_case(folder / CASE)
     state = checkpoint.load(folder / CHECKPOINT)
-    with RunFolder.open(folder) as results:
+    with RunFolder.open(folder, case) as results:
         results.rewind(state.time)
         LOG.info("resumed at t = %g s, step %d", state.time, state.step)
         return _Run(case, results, state, threads).finish()
@@ -95,6 +97,9 @@ class _Run:
         self.frames = Schedule(output.interval, 0.0, end)
         self.deposits = Schedule(output.deposit_interval, 0.0, end)
         self.histories = Schedule(output.history_interval, start, end)
+        self.probes = probe_measures(case, state.particles)
+        self.crossings = Crossings(case, state)
+        self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
         self._owes_checkpoint = False
         self._asked_to_stop = False
         self._particle_steps = 0
@@ -161,8 +166,11 @@ class _Run:
                 if at_fresh_start and self._asked_to_stop:
                     return INTERRUPTED
                 due = min(s.next_after(state.time) for s in self._schedules)
-                step = self._advance(due)
-                self.write(step)
+                before = state.time
+                iterations = self._advance(due)
+                self.crossings.count(state)
+                self.write(iterations)
+                self.sample(before)
                 self._show(bar)
         return "end of the simulated time"
 
@@ -181,7 +189,7 @@ class _Run:
                 f"{longest:.3g} s: a particle is too fast or the collision stress too stiff"
             )
         for _ in range(MOST_HALVINGS):
-            steps = max(1, ceil((due - state.time) / longest * (1.0 - 1e-12)))
+            steps = max(1, math.ceil((due - state.time) / longest * (1.0 - 1e-12)))
             dt = (due - state.time) / steps
             try:
                 iterations = self.scheme.step(state, dt)
@@ -219,6 +227,16 @@ class _Run:
         if self.frames.is_due(state.time):
             self.results.write_frame(state)
             self._owes_checkpoint = True
+
+    def sample(self, before: float) -> None:
+        """Write the probes that were due after a time, s, and up to that of the state.
+
+        Steps are not shortened for them, so that they leave the solution as it is.
+        """
+        for name, schedule in self.samples.items():
+            if schedule.passed_due(before, self.state.time):
+                row = self.probes[name].sample(self.state)
+                self.results.write_probe(name, self.state.time, row)
 
     def _show(self, bar: Any) -> None:
         state = self.state

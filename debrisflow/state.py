@@ -19,6 +19,10 @@ def _counts() -> NDArray[np.int64]:
     return np.zeros(len(PHASES), dtype=np.int64)
 
 
+def _crossings(sections: int = 0) -> NDArray[np.int64]:
+    return np.zeros((sections, len(PHASES)), dtype=np.int64)
+
+
 @dataclass
 class State:
     """Particles, clock and counters of a run.
@@ -41,6 +45,9 @@ class State:
         Sediment particles that the supply still owes to its concentration.
     next_id : int
         The number that the next new particle gets.
+    crossed : (sections, 3) int64 array
+        Particles by phase that went through each section along x since t = 0, less those that
+        went back.
     """
 
     particles: Particles
@@ -53,6 +60,7 @@ class State:
     supply_columns: int = 0
     supply_sediment: float = 0.0
     next_id: int = 0
+    crossed: NDArray[np.int64] = field(default_factory=_crossings)
 
 
 def initial_state(case: tables.Case) -> State:
@@ -62,6 +70,7 @@ def initial_state(case: tables.Case) -> State:
         hydrostatic.compress(particles, case)
         hydrostatic.jitter(particles, case)
     state = State(particles, time=0.0 - case.time.relaxation, next_id=particles.count)
+    state.crossed = _crossings(sum(probe.type == "section" for probe in case.probe))
     if case.inflow is not None:
         state.supply_columns = wall_layers(case)
         state.supply_sediment = supplied_sediment(case, state.supply_columns) % 1.0

@@ -22,7 +22,9 @@ def state():
     particles.pressure[:4] = [np.nan, -0.0, np.inf, 5e-324]
     particles.fluid_count, particles.inflow_count, particles.wall_count = 20, 5, 15
     counts = [np.array([i, i + 1, 2**40]) for i in range(3)]
-    return State(particles, 0.1 + 0.2, 7, 1e-3 / 3, *counts, 11, -1 / 3, 2**40)
+    return State(
+        particles, 0.1 + 0.2, 7, 1e-3 / 3, *counts, 11, -1 / 3, 2**40, np.array([[5, -6, 7]])
+    )
 
 
 def identical(one, other):

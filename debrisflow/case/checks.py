@@ -12,7 +12,7 @@ from itertools import pairwise
 from math import hypot, isclose, sqrt
 from typing import Any
 
-from debrisflow.case import obstacles, space, weakly_compressible
+from debrisflow.case import obstacles, probe_checks, space, weakly_compressible
 from debrisflow.case.bodies import MeshFill
 from debrisflow.case.defaults import (
     FEWEST_RELAXATION_STEPS,
@@ -266,5 +266,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     *weakly_compressible.CHECKS,
     step_within_limits,
     density_relaxation_slow,
+    *probe_checks.CHECKS,
     memory_suffices,
 )

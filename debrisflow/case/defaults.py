@@ -9,6 +9,7 @@ from math import hypot, inf, sqrt
 from typing import TypeVar
 
 from debrisflow.case.fields import Table
+from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
 from debrisflow.case.regions import Geometry, bed_end
 from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.case.tables import (
@@ -32,6 +33,7 @@ from debrisflow.case.tables import (
 RELAXATION_STEPS = 50
 LEAST_SOUND_RATIO = 10.0
 FEWEST_RELAXATION_STEPS = 10
+PROBE_SPACINGS = 2
 _Any = TypeVar("_Any", bound=Table)
 
 _FORMS: dict[str, dict[str, str]] = {
@@ -68,7 +70,8 @@ def complete(case: Case) -> Case:
         "time": _filled(case.time, largest_step=step),
         "output": _output(case.output),
     }
-    return case.model_copy(update=tables)
+    probes = tuple(_probe(probe, case.particles) for probe in case.probe)
+    return case.model_copy(update=tables | {"probe": probes})
 
 
 def viscous_limits(
@@ -151,6 +154,12 @@ def _output(output: Output) -> Output:
         deposit_interval=output.interval,
         history_interval=output.interval / 10,
     )
+
+
+def _probe(probe: AnyProbe, particles: Particles) -> AnyProbe:
+    if isinstance(probe, HeightProbe | PressureProbe):
+        return _filled(probe, size=PROBE_SPACINGS * particles.spacing)
+    return probe
 
 
 def sound_speed(

@@ -13,6 +13,7 @@ from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
+from debrisflow.case.probes import AnyProbe
 
 
 class Particles(Table):
@@ -432,6 +433,9 @@ class Case(Table):
     scheme: AnyScheme = Scheme()
     time: Time
     output: Output
+    probe: Annotated[
+        tuple[Annotated[AnyProbe, Field(discriminator="type")], ...], Strict(False)
+    ] = Field((), description="what is measured while the case runs, each into its own file")
 
     @property
     def dimension(self) -> int:

@@ -1,0 +1,387 @@
+"""Probes: what is measured at a place, on a wall or across the flow while a case runs.
+
+All probes read the particles as they are after a step, in both schemes and in two and three
+dimensions, and leave them as they are.  Quantities of two dimensions are per meter of width.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow import geometry
+from debrisflow.case import tables
+from debrisflow.case.probes import (
+    AnyProbe,
+    ForceProbe,
+    HeightProbe,
+    PressureProbe,
+    SectionProbe,
+)
+from debrisflow.errors import CaseError
+from debrisflow.lattice import reference
+from debrisflow.measures import (
+    LARGEST_GAP,
+    LEAST_DENSITY_RATIO,
+    contiguous_height,
+    floor_length,
+    phase_fractions,
+)
+from debrisflow.particles import Kind, Particles
+from debrisflow.series import Series
+from debrisflow.state import PHASES, State
+from debrisflow.wall_pressure import (
+    Faces,
+    face_pressure,
+    force,
+    nearest_on,
+    patch_shares,
+    wall_faces,
+)
+
+Floats = NDArray[np.float64]
+UPWARD = 0.5  # upward part of the normal above which a wall carries what stands on it
+_OF_STEP = "of the step before, at a start none"
+_TIME = "time: s; end of the step in which the sample was due"
+
+
+class Measure(Protocol):
+    """What takes the samples of one probe."""
+
+    def sample(self, state: State) -> tuple[float, ...]:
+        """Return the columns of the probe after the time."""
+
+
+def probe_measures(case: tables.Case, particles: Particles) -> dict[str, Measure]:
+    """Return what takes the samples of each probe of a case, by its name.
+
+    Raises
+    ------
+    CaseError
+        If the place of a pressure probe is more than a spacing from its wall.
+    """
+    measures: dict[str, Measure] = {}
+    sections = 0
+    for probe in case.probe:
+        if isinstance(probe, HeightProbe):
+            measures[probe.name] = Height(probe, case, particles)
+        elif isinstance(probe, PressureProbe):
+            measures[probe.name] = PatchPressure(probe, case, particles)
+        elif isinstance(probe, ForceProbe):
+            measures[probe.name] = WallForce(probe, case, particles)
+        else:
+            measures[probe.name] = Section(probe, case, sections)
+            sections += 1
+    return measures
+
+
+class Height:
+    """Height of the fluid in a column with a square base (a strip, in two dimensions).
+
+    Two heights above what the column stands on, the wall under its middle:
+
+    - ``height``, the top of the particles with n >= 0.5 n0 and their centers in the column that
+      follow each other upward without a gap of more than 1.5 d0.  It ends below spray and below
+      a jet that plunges over air, and steps by what the top particle stands higher or lower.
+    - ``filled_height``, the volume of all particles above the wall in the column over the area of
+      its base.  Each particle counts by the part of its own square, d0 wide, that the base
+      covers, so that the height does not jump when it enters: that of particles on a lattice is
+      exact wherever the column stands.  Air in the column lowers it, spray raises it.
+
+    The base ends at the ends of the space; keep it a spacing away from the sides of an obstacle.
+    """
+
+    def __init__(self, probe: HeightProbe, case: tables.Case, particles: Particles) -> None:
+        assert probe.size is not None
+        self._d0, self._axes, self._up = case.particles.spacing, case.dimension, case.dimension - 1
+        lattice = reference(case.dimension, case.particles.effective_radius, self._d0)
+        self._least_density = LEAST_DENSITY_RATIO * lattice.number_density
+        self._place = np.array([probe.x, probe.y or 0.0])[: self._up]
+        self._period = geometry.domain(case).period[: self._up]
+        ends = np.full(self._up, np.inf)
+        ends[0] = floor_length(case)
+        if isinstance(case.geometry, tables.Tank3D):
+            ends[1] = case.geometry.width
+        half = np.full(self._up, 0.5 * probe.size)
+        repeats = self._period > 0.0
+        self._lower = -np.where(repeats, half, np.minimum(half, self._place))
+        self._upper = np.where(repeats, half, np.minimum(half, ends - self._place))
+        self.base = self._base(particles)
+
+    def sample(self, state: State) -> tuple[float, ...]:
+        """Return height and filled height, m."""
+        p, d0 = state.particles, self._d0
+        level = p.position[p.fluid, self._up] - self.base
+        offset = self._offset(p.position[p.fluid])
+        covered = np.minimum(offset + 0.5 * d0, self._upper) - np.maximum(
+            offset - 0.5 * d0, self._lower
+        )
+        share = np.prod(np.clip(covered, 0.0, None), axis=1)
+        filled = d0 * share[level > 0.0].sum() / np.prod(self._upper - self._lower)
+        inside = np.all((offset >= self._lower) & (offset < self._upper), axis=1) & (level > 0.0)
+        inside &= p.number_density[p.fluid] >= self._least_density
+        return contiguous_height(level[inside], d0), float(filled)
+
+    def _offset(self, position: Floats) -> Floats:
+        """Return the horizontal distance from the place, through the nearest image, m."""
+        offset = position[:, : self._up] - self._place
+        repeat = np.where(self._period > 0.0, self._period, np.inf)
+        return np.asarray(
+            offset - np.where(self._period > 0.0, self._period, 0.0) * np.rint(offset / repeat)
+        )
+
+    def _base(self, p: Particles) -> float:
+        """Return the level of the highest wall under the place that looks up, m."""
+        solid = slice(p.inflow.stop, p.count)
+        under = np.all(np.abs(self._offset(p.position[solid])) <= (0.5 + 1e-6) * self._d0, axis=1)
+        under &= (p.kind[solid] == Kind.WALL) & (p.wall_normal[solid, self._up] > UPWARD)
+        return float(p.position[solid, self._up][under].max() + 0.5 * self._d0)
+
+
+class PatchPressure:
+    """Mean pressure on a square patch of a wall.
+
+    The mean of :func:`debrisflow.wall_pressure.face_pressure` over the faces of the wall, each
+    by the part of it that the patch covers; 0 where the patch is dry.  The patch lies on the face
+    that is nearest to the given place.
+    """
+
+    def __init__(self, probe: PressureProbe, case: tables.Case, particles: Particles) -> None:
+        assert probe.size is not None
+        faces = wall_faces(case, particles, probe.wall)
+        place = np.array([probe.x, probe.y, probe.z or 0.0])
+        center, distance = nearest_on(faces, place, case)
+        if distance > (1.0 + 1e-6) * case.particles.spacing:
+            raise CaseError(
+                f"probe '{probe.name}': the place is {distance:.3g} m from the surface of "
+                f"{probe.wall}; at most a spacing"
+            )
+        share = patch_shares(faces, center, probe.size, case)
+        self._case, self._share = case, share[share > 0.0]
+        self._faces = Faces(faces.position[share > 0.0], faces.normal[share > 0.0])
+
+    def sample(self, state: State) -> tuple[float, ...]:
+        """Return the mean pressure, Pa."""
+        pressure = _pressure_on(self._faces, self._case, state)
+        return (float(self._share @ pressure / self._share.sum()),)
+
+
+class WallForce:
+    """Force and moment of the pressure on a whole wall: the sum over its faces."""
+
+    def __init__(self, probe: ForceProbe, case: tables.Case, particles: Particles) -> None:
+        self._case = case
+        self._faces = wall_faces(case, particles, probe.wall)
+        self._area = case.particles.spacing ** (case.dimension - 1)
+        self._about = np.zeros(3)
+        self._about[: len(probe.about)] = probe.about
+
+    def sample(self, state: State) -> tuple[float, ...]:
+        """Return force and moment, N and N m, in two dimensions per meter of width."""
+        pressure = _pressure_on(self._faces, self._case, state)
+        push, moment = force(self._faces, pressure, self._area, self._about)
+        axes = self._case.dimension
+        return (*map(float, push[:axes]), *map(float, moment if axes == 3 else moment[2:]))
+
+
+class Section:
+    """What flows through the plane x = const.
+
+    The state at the plane is the sum over particles of volume V, velocity u and sediment share f
+    nearer than d0 to it, with the weight h = (1 - |x_i - x| / d0) / d0, whose integral is 1:
+
+        A = sum V h,   Q = sum V h u,   Q_s = sum V h u f
+
+    On a lattice the sums are exact wherever the plane stands.  What went through is counted
+    particle by particle at every step, so that the volumes are exact whatever the interval, and a
+    mean discharge is the difference of two rows.
+    """
+
+    def __init__(self, probe: SectionProbe, case: tables.Case, number: int) -> None:
+        self._x, self._number = probe.x, number
+        self._d0, self._axes = case.particles.spacing, case.dimension
+        self._volume = self._d0**self._axes
+        self._period = geometry.domain(case).period[0]
+        self._shares = np.stack([np.ones(len(PHASES)), phase_fractions(case)])
+
+    def sample(self, state: State) -> tuple[float, ...]:
+        """Return the columns of the section."""
+        p, d0 = state.particles, self._d0
+        offset = p.position[p.fluid, 0] - self._x
+        if self._period > 0.0:
+            offset -= self._period * np.rint(offset / self._period)
+        rows = np.flatnonzero(np.abs(offset) < d0)
+        part = self._volume * (1.0 - np.abs(offset[rows]) / d0) / d0
+        flux = part * p.velocity[rows, 0]
+        area, discharge = float(part.sum()), float(flux.sum())
+        sediment = float(flux @ p.sediment_fraction[rows])
+        width = 1.0 if self._axes == 2 else _wetted_width(p.position[rows, 1], d0)
+        volumes = self._volume * (self._shares @ state.crossed[self._number])
+        return (
+            discharge,
+            sediment,
+            sediment / discharge if discharge != 0.0 else np.nan,
+            discharge / area if area > 0.0 else np.nan,
+            area / width if area > 0.0 else 0.0,
+            *([width] if self._axes == 3 else []),
+            *map(float, volumes),
+        )
+
+
+class Crossings:
+    """Counts particles through the sections of a case, step by step, into the state.
+
+    Parameters
+    ----------
+    case : Case
+    state : State
+        At the start of the run or of its continuation.
+    """
+
+    def __init__(self, case: tables.Case, state: State) -> None:
+        self._planes = [probe.x for probe in case.probe if isinstance(probe, SectionProbe)]
+        self._period = geometry.domain(case).period[0]
+        self._remember(state)
+
+    def count(self, state: State) -> None:
+        """Count who went through since the last call; before t = 0 nobody is counted.
+
+        Particles are known by their number, as they change rows and, by slip, places.
+        """
+        if not self._planes:
+            return
+        if state.time > 0.0:
+            self._count(state)
+        self._remember(state)
+
+    def _count(self, state: State) -> None:
+        p = state.particles
+        known = p.id[p.fluid] < self._x.size
+        identity, kind = p.id[p.fluid][known], p.kind[p.fluid][known]
+        before, now = self._x[identity], p.position[p.fluid, 0][known]
+        if self._period > 0.0:
+            now = (
+                before
+                + np.remainder(now - before + 0.5 * self._period, self._period)
+                - 0.5 * self._period
+            )
+        for number, x in enumerate(self._planes):
+            if self._period > 0.0:
+                passed = np.floor((now - x) / self._period) - np.floor((before - x) / self._period)
+            else:
+                passed = (now >= x).astype(float) - (before >= x)
+            net = np.bincount(kind, passed, len(PHASES))
+            state.crossed[number] += np.rint(net).astype(np.int64)
+
+    def _remember(self, state: State) -> None:
+        p = state.particles
+        rows = slice(0, p.inflow.stop)
+        self._x = np.full(int(p.id[rows].max(initial=-1)) + 1, np.nan)
+        self._x[p.id[rows]] = p.position[rows, 0]
+
+
+class ProbeWriter(Series):
+    """Writes ``probes/NAME.csv``; a file that is there already is continued.
+
+    Parameters
+    ----------
+    path : Path
+    probe : HeightProbe, PressureProbe, ForceProbe or SectionProbe
+    dimension : int
+    """
+
+    def __init__(self, path: Path, probe: AnyProbe, dimension: int) -> None:
+        columns = _columns(probe, dimension)
+        head = [_title(path, f"{probe.type}, {_where(probe)}"), _TIME]
+        head += [f"{names}: {meaning}" for names, meaning in _meanings(probe, dimension)]
+        super().__init__(path, columns, head)
+
+    def write(self, time: float, sample: Sequence[float]) -> None:
+        """Append a sample at a time, s."""
+        self.append([(time, *sample)])
+
+
+def is_probe_file(path: Path) -> bool:
+    """Return whether a file was written by a probe."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        return file.readline().startswith("# " + _title(path, ""))
+
+
+def _title(path: Path, rest: str) -> str:
+    return f"probe {path.stem}: {rest}"
+
+
+def _where(probe: AnyProbe) -> str:
+    """Return the place of a probe, as in the case file."""
+    fields = probe.model_dump(exclude={"name", "interval", "type"}, exclude_none=True)
+    return ", ".join(f"{key} = {value}" for key, value in fields.items()) + " (m)"
+
+
+def _columns(probe: AnyProbe, dimension: int) -> tuple[str, ...]:
+    names = (name for group, _ in _meanings(probe, dimension) for name in group.split(", "))
+    return ("time", *names)
+
+
+def _meanings(probe: AnyProbe, dimension: int) -> list[tuple[str, str]]:
+    """Return the columns after the time, and what they mean."""
+    if isinstance(probe, HeightProbe):
+        return [
+            (
+                "height",
+                "m above the wall below; top of the particles that follow each other upward",
+            ),
+            ("filled_height", "m; volume of all particles in the column over the area of its base"),
+        ]
+    if isinstance(probe, PressureProbe):
+        return [("pressure", f"Pa; mean over the patch, 0 where it is dry; {_OF_STEP}")]
+    if isinstance(probe, ForceProbe):
+        return _force_meanings(dimension)
+    return _section_meanings(dimension)
+
+
+def _force_meanings(dimension: int) -> list[tuple[str, str]]:
+    if dimension == 2:
+        return [
+            ("force_x, force_y", f"N per meter of width; of the pressure on the wall; {_OF_STEP}"),
+            ("moment_z", "N m per meter of width; counterclockwise about the given point"),
+        ]
+    return [
+        ("force_x, force_y, force_z", f"N; of the pressure on the wall; {_OF_STEP}"),
+        ("moment_x, moment_y, moment_z", "N m; about the given point"),
+    ]
+
+
+def _section_meanings(dimension: int) -> list[tuple[str, str]]:
+    volume = "m2" if dimension == 2 else "m3"
+    width = [("width", "m; wetted")] if dimension == 3 else []
+    return [
+        ("discharge, sediment_discharge", f"{volume}/s; at this time, positive along x"),
+        ("concentration", "sediment_discharge / discharge; nan where nothing flows"),
+        ("speed", "m/s; discharge over the wetted area, nan where it is dry"),
+        ("depth", "m; wetted area over wetted width"),
+        *width,
+        ("volume, sediment_volume", f"{volume}; net of what went through since t = 0, exact"),
+    ]
+
+
+def _pressure_on(faces: Faces, case: tables.Case, state: State) -> Floats:
+    p, rows = state.particles, state.particles.fluid
+    return face_pressure(faces, case, p.position[rows], p.pressure[rows], p.density[rows])
+
+
+def _wetted_width(y: Floats, d0: float) -> float:
+    """Return the length that particles cover, across gaps of up to 1.5 spacings, m.
+
+    Examples
+    --------
+    >>> _wetted_width(np.array([0.25, 2.75, 1.5]), 1.0)
+    3.5
+    >>> _wetted_width(np.array([0.5, 5.5]), 1.0)
+    2.0
+    """
+    gaps = np.diff(np.sort(y))
+    return d0 * float(y.size > 0) + float(np.where(gaps <= LARGEST_GAP * d0, gaps, d0).sum())

@@ -1,0 +1,119 @@
+"""The files of the probes of a run: when they are written, continued and removed."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+import signal
+
+import numpy as np
+import pytest
+
+from debrisflow import simulation
+from debrisflow.case import load_case
+from debrisflow.errors import CaseError
+from debrisflow.output import RunFolder
+from debrisflow.probes import probe_measures
+from debrisflow.state import initial_state
+from debrisflow.vtu import FOLDER
+from tests.building import bed_case, tank_case
+
+PROBES = (
+    {"name": "level", "type": "height", "interval": 0.004, "x": 0.5},
+    {"name": "outlet", "type": "section", "interval": 0.007, "x": 0.7},
+    {"name": "inlet", "type": "section", "interval": 0.01, "x": 0.1},
+    {"name": "bed", "type": "pressure", "interval": 0.01, "wall": "bed", "x": 0.5, "y": -0.1},
+    {"name": "thrust", "type": "force", "interval": 0.03, "wall": "floor"},
+)
+
+
+def probed(probes=PROBES):
+    """Return a short case in which everything acts, with probes."""
+    return bed_case(time={"end": 0.15}, output={"interval": 0.05}, probe=probes)
+
+
+def rows_of(folder, name):
+    """Return the rows of the file of a probe, by the names of its columns."""
+    with (folder / "probes" / f"{name}.csv").open() as lines:
+        rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+        return [{key: float(value) for key, value in row.items()} for row in rows]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Return the folder of a whole run with probes."""
+    folder = tmp_path_factory.mktemp("probed") / "whole"
+    simulation.simulate(probed(), folder, threads=1)
+    return folder
+
+
+def test_probes_leave_the_solution_as_it_is(whole, tmp_path):
+    simulation.simulate(probed(()), tmp_path / "plain", threads=1)
+    assert not (tmp_path / "plain" / "probes").exists()
+    for file in (tmp_path / "plain" / FOLDER).iterdir():
+        assert file.read_bytes() == (whole / FOLDER / file.name).read_bytes()
+    history = "history.csv"
+    assert (tmp_path / "plain" / history).read_bytes() == (whole / history).read_bytes()
+
+
+def test_each_probe_has_its_own_interval_and_samples_at_the_end_of_steps(whole):
+    for probe in PROBES:
+        times = [row["time"] for row in rows_of(whole, probe["name"])]
+        due = np.arange(0.0, 0.15 - 1e-9, probe["interval"])
+        late = np.array(times[:-1]) - due
+        assert times[-1] == 0.15
+        assert np.all((late > -1e-9) & (late < 0.003))
+        # the history makes a step end at every multiple of 0.005 s
+        assert np.any(late > 1e-6) or probe["interval"] not in (0.004, 0.007)
+
+
+def test_what_goes_through_the_inlet_is_what_was_supplied_less_what_waits_before_it(whole):
+    case, last = probed(), rows_of(whole, "inlet")[-1]
+    assert 0.0 < last["volume"] <= case.inflow.depth * (0.15 * case.inflow.velocity - 0.1) * 1.3
+    assert last["volume"] / 0.02**2 == pytest.approx(round(last["volume"] / 0.02**2))
+    assert 0.0 < last["sediment_volume"] < last["volume"]
+
+
+def test_an_interrupted_run_writes_the_same_rows(whole, tmp_path, monkeypatch):
+    write = simulation._Run.write
+
+    def write_and_interrupt(run, iterations):
+        write(run, iterations)
+        if run.state.step == 30:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(simulation._Run, "write", write_and_interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        simulation.simulate(probed(), tmp_path / "broken", threads=1)
+    shutil.copytree(tmp_path / "broken", tmp_path / "rest")
+    with (tmp_path / "rest/probes/level.csv").open("a") as file:
+        file.write("0.149,7,7\n")  # written after the checkpoint
+    simulation.resume(tmp_path / "rest", threads=1)
+    for probe in PROBES:
+        name = f"probes/{probe['name']}.csv"
+        assert (tmp_path / "rest" / name).read_bytes() == (whole / name).read_bytes()
+
+
+def test_overwriting_removes_the_files_of_earlier_probes_and_no_others(tmp_path):
+    RunFolder.create(tmp_path, probed()).close()
+    (tmp_path / "probes/mine.csv").write_text("time,height\n")
+    RunFolder.create(tmp_path, probed(PROBES[:1]), overwrite=True).close()
+    assert sorted(f.name for f in (tmp_path / "probes").iterdir()) == ["level.csv", "mine.csv"]
+
+
+def test_the_folder_repeats_the_probes_with_their_sizes(tmp_path):
+    case = probed()
+    RunFolder.create(tmp_path, case).close()
+    assert load_case(tmp_path / "case.toml") == case
+    assert case.probe[0].size == 0.04
+
+
+def test_a_place_off_a_wall_that_only_the_run_knows_is_told():
+    case = probed([PROBES[3] | {"y": 0.1}])
+    with pytest.raises(CaseError, match=r"'bed': the place is .* m from the surface of bed"):
+        probe_measures(case, initial_state(case).particles)
+
+
+def test_a_probe_without_a_section_asks_for_no_counting():
+    case = tank_case(4, 4, "water", probe=PROBES[:1])
+    assert initial_state(case).crossed.shape == (0, 3)

@@ -1,0 +1,252 @@
+"""Probes on particles whose water level, pressure and flow are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from debrisflow.case import Case
+from debrisflow.case.defaults import complete
+from debrisflow.lattice import reference
+from debrisflow.measures import gravity_vector
+from debrisflow.particles import Kind
+from debrisflow.probes import Crossings, probe_measures
+from debrisflow.state import initial_state
+
+D0 = 0.05
+
+
+def still_water(dimension, probes, depth=0.5, obstacle=(), **tables):
+    """Return case and state: a tank 1 m long and 0.6 m wide, filled, under the exact pressure."""
+    block = {"type": "block", "x": [0.0, 1.0], "y": [0.0, depth], "material": "water"}
+    geometry = {"type": "tank", "width": 1.0, "height": 1.0}
+    if dimension == 3:
+        geometry = {"type": "tank3d", "length": 1.0, "width": 0.6, "height": 1.0}
+        block |= {"y": [0.0, 0.6], "z": [0.0, depth]}
+    case = complete(
+        Case(
+            title="still water",
+            particles={"spacing": D0},
+            geometry=geometry,
+            fill=[block],
+            obstacle=obstacle,
+            probe=[{"name": f"p{k}", "interval": 0.1} | probe for k, probe in enumerate(probes)],
+            time={"end": 1.0},
+            output={"interval": 1.0},
+            **tables,
+        )
+    )
+    state = initial_state(case.model_copy(update={"scheme": Case.model_fields["scheme"].default}))
+    p, up = state.particles, dimension - 1
+    inside = np.zeros(p.count, dtype=bool)
+    for box in obstacle:
+        extents = np.array([box["x"], box["y"], box["z"]])
+        inside |= np.all((p.position > extents[:, 0]) & (p.position < extents[:, 1]), axis=1)
+    kept = np.flatnonzero(~inside | (np.arange(p.count) >= p.fluid_count))
+    p.fluid_count -= p.count - kept.size
+    p.take(kept)
+    p.pressure[p.fluid] = p.density[p.fluid] * 9.81 * (depth - p.position[p.fluid, up])
+    p.number_density[:] = reference(dimension, case.particles.effective_radius, D0).number_density
+    return case, state
+
+
+def samples(case, state):
+    """Return the sample of every probe of a case."""
+    measures = probe_measures(case, state.particles)
+    return [np.array(measure.sample(state)) for measure in measures.values()]
+
+
+@pytest.mark.parametrize("x", [0.0, 0.51, 0.537, 0.98])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_height_of_water_on_a_lattice_is_exact_anywhere(dimension, x):
+    place = {"x": x} | ({"y": 0.31} if dimension == 3 else {})
+    (height,) = samples(*still_water(dimension, [{"type": "height"} | place]))
+    np.testing.assert_allclose(height, [0.5, 0.5], rtol=1e-12)
+
+
+def test_the_contiguous_height_ends_below_spray_and_the_filled_one_counts_it():
+    case, state = still_water(2, [{"type": "height", "x": 0.5}])
+    p = state.particles
+    spray = np.flatnonzero(np.all(np.abs(p.position - [0.475, 0.475, 0.0]) < 1e-9, axis=1))
+    p.position[spray, 1] = 0.9
+    (height,) = samples(case, state)
+    np.testing.assert_allclose(height, [0.5, 0.5])  # the neighbor column still stands
+    p.position[p.fluid, 1] += np.where(p.position[p.fluid, 1] > 0.3, 0.2, 0.0)
+    (height,) = samples(case, state)
+    np.testing.assert_allclose(height, [0.3, 0.5])
+
+
+def test_the_height_over_an_obstacle_is_that_above_its_top():
+    box = {"type": "box", "name": "block", "x": [0.4, 0.6], "y": [0.2, 0.4], "z": [0.0, 0.2]}
+    case, state = still_water(3, [{"type": "height", "x": 0.5, "y": 0.3}], obstacle=[box])
+    np.testing.assert_allclose(samples(case, state)[0], [0.3, 0.3], rtol=1e-12)
+
+
+def test_a_dry_place_has_no_height_and_no_pressure():
+    probes = [
+        {"type": "height", "x": 0.5},
+        {"type": "pressure", "wall": "floor", "x": 0.5, "y": 0.0},
+        {"type": "force", "wall": "right"},
+        {"type": "section", "x": 0.5},
+    ]
+    case, state = still_water(2, probes)
+    state.particles.take(np.arange(state.particles.fluid_count, state.particles.count))
+    state.particles.fluid_count = 0
+    height, pressure, force, section = samples(case, state)
+    assert not np.any(np.concatenate([height, pressure, force]))
+    np.testing.assert_array_equal(section, [0, 0, np.nan, np.nan, 0, 0, 0])
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("depth", [0.0, 0.13, 0.31, 0.5])
+def test_the_pressure_of_still_water_is_hydrostatic_on_a_patch(dimension, depth):
+    level = 0.5 - depth
+    place = {"x": 1.0, "y": level} if dimension == 2 else {"x": 1.0, "y": 0.3, "z": level}
+    probe = {"type": "pressure", "wall": "right"} | place
+    (pressure,) = samples(*still_water(dimension, [probe]))
+    # a patch that ends at the floor has its middle half a spacing above it; one at the level of
+    # the water is wet by half, half a spacing below it
+    mean_depth = {0.0: 0.25 * D0, 0.5: 0.5 - 0.5 * D0}.get(depth, depth)
+    expected = 1000.0 * 9.81 * mean_depth
+    assert pressure == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_pressure_of_water_in_disorder_is_hydrostatic():
+    probe = {"type": "pressure", "wall": "left", "x": 0.0, "y": 0.2, "z": 0.2}
+    floor = {"type": "force", "wall": "floor"}
+    case, state = still_water(3, [probe, floor])
+    p = state.particles
+    p.position[p.fluid] += np.random.default_rng(1).uniform(-0.3, 0.3, (p.fluid_count, 3)) * D0
+    p.pressure[p.fluid] = 1000.0 * 9.81 * (0.5 - p.position[p.fluid, 2])
+    pressure, force = samples(case, state)
+    assert pressure == pytest.approx(1000.0 * 9.81 * 0.3, rel=1e-3)
+    assert force[2] == pytest.approx(-1000.0 * 9.81 * 0.5 * 0.6, rel=1e-3)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_force_of_still_water_on_its_walls(dimension):
+    probes = [{"type": "force", "wall": wall} for wall in ("right", "floor")]
+    case, state = still_water(dimension, probes)
+    width = 1.0 if dimension == 2 else 0.6
+    right, floor = samples(case, state)
+    push = 0.5 * 1000.0 * 9.81 * 0.5**2 * width
+    weight = 1000.0 * 9.81 * 0.5 * width
+    np.testing.assert_allclose(right[:dimension], [push, 0, 0][:dimension], rtol=1e-9)
+    np.testing.assert_allclose(floor[dimension - 1], -weight, rtol=1e-9)
+    np.testing.assert_allclose(floor[: dimension - 1], 0.0)
+    if dimension == 3:  # at a third of the depth, in the middle of the width
+        np.testing.assert_allclose(right[4:], [push * 0.5 / 3, -push * 0.3], rtol=0.01)
+    else:
+        np.testing.assert_allclose(right[2], -push * 0.5 / 3, rtol=0.01)
+
+
+@pytest.mark.parametrize("bottom", [0.0, 0.1])
+def test_the_force_on_a_submerged_box_is_its_buoyancy_unless_it_stands_on_the_floor(bottom):
+    box = {"type": "box", "name": "box", "x": [0.4, 0.6], "y": [0.2, 0.4], "z": [bottom, 0.35]}
+    middle = [0.5, 0.3, 0.0]
+    probe = {"type": "force", "wall": "box", "about": middle}
+    case, state = still_water(3, [probe], obstacle=[box])
+    (force,) = samples(case, state)
+    buoyancy = 1000.0 * 9.81 * 0.2 * 0.2 * (0.35 - bottom)
+    on_top = 1000.0 * 9.81 * 0.2 * 0.2 * 0.15
+    expected = buoyancy if bottom else -on_top
+    np.testing.assert_allclose(force[2], expected, rtol=1e-9)
+    np.testing.assert_allclose(np.delete(force, 2), 0.0, atol=1e-9 * on_top)
+
+
+def test_a_plate_one_cell_thick_shows_both_its_faces():
+    box = {"type": "box", "name": "plate", "x": [0.5, 0.55], "y": [0.0, 0.6], "z": [0.0, 0.7]}
+    case, state = still_water(3, [{"type": "force", "wall": "plate"}], obstacle=[box])
+    p = state.particles
+    p.pressure[p.fluid] *= p.position[p.fluid, 0] < 0.5
+    p.density[p.fluid] *= p.position[p.fluid, 0] < 0.5
+    (force,) = samples(case, state)
+    np.testing.assert_allclose(force[0], 0.5 * 1000.0 * 9.81 * 0.25 * 0.6, rtol=1e-9)
+
+
+def test_the_floor_of_a_bent_channel_carries_the_weight_across_it():
+    case = complete(
+        Case(
+            title="run-out",
+            particles={"spacing": 0.02},
+            gravity={"slope": 10.0},
+            geometry={
+                "type": "channel",
+                "length": 1.0,
+                "height": 0.5,
+                "runout_start": 0.5,
+                "runout_slope": 0.0,
+            },
+            inflow={"depth": 0.04, "velocity": 1.0},
+            fill=[{"type": "block", "x": [0.0, 0.5], "y": [0.0, 0.1], "material": "water"}],
+            probe=[
+                {"name": "floor", "interval": 0.1, "type": "force", "wall": "floor"},
+                {"name": "p", "interval": 0.1, "type": "pressure", "wall": "floor"}
+                | {"x": 0.75, "y": 0.25 * np.tan(np.radians(10.0))},
+            ],
+            time={"end": 1.0},
+            output={"interval": 1.0},
+        )
+    )
+    state = initial_state(case)
+    p, gravity = state.particles, gravity_vector(case)
+    p.pressure[p.fluid] = 1000.0 * (0.1 - p.position[p.fluid, 1]) * -gravity[1]
+    force, pressure = samples(case, state)
+    weight = 1000.0 * -gravity[1] * 0.1 * 0.5
+    np.testing.assert_allclose(force[1], -weight, rtol=0.02)  # a face beyond the end is half wet
+    assert pressure == 0.0
+
+
+@pytest.mark.parametrize("x", [0.4, 0.523])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_what_flows_through_a_section(dimension, x):
+    case, state = still_water(dimension, [{"type": "section", "x": x}])
+    p = state.particles
+    p.velocity[p.fluid, 0] = 2.0
+    p.kind[p.fluid] = np.where(p.position[p.fluid, dimension - 1] < 0.1, Kind.SEDIMENT, 0)
+    p.sediment_fraction[p.fluid] = p.kind[p.fluid] == Kind.SEDIMENT
+    (sample,) = samples(case, state)
+    width = [] if dimension == 2 else [0.6]
+    discharge = 2.0 * 0.5 * np.prod(width)
+    expected = [discharge, 0.2 * discharge, 0.2, 2.0, 0.5, *width, 0.0, 0.0]
+    np.testing.assert_allclose(sample, expected, rtol=1e-12)
+
+
+def test_crossings_are_counted_both_ways_by_the_number_of_the_particle():
+    case, state = still_water(2, [{"type": "section", "x": 0.5}])
+    p, crossings = state.particles, Crossings(case, state)
+    state.time = 0.1
+    p.kind[p.fluid][:] = Kind.LIQUID
+    p.position[p.fluid, 0] += D0  # the column before the section passes it
+    p.take(np.concatenate([np.arange(p.fluid_count)[::-1], np.arange(p.fluid_count, p.count)]))
+    crossings.count(state)
+    np.testing.assert_array_equal(state.crossed, [[10, 0, 0]])
+    p.position[p.fluid, 0] -= 3 * D0
+    crossings.count(state)
+    np.testing.assert_array_equal(state.crossed, [[-20, 0, 0]])
+    volume = samples(case, state)[0][-2]
+    assert volume == pytest.approx(-20 * D0**2)
+
+
+def test_nobody_is_counted_before_the_start_nor_by_leaving():
+    case, state = still_water(2, [{"type": "section", "x": 0.5}])
+    p, crossings = state.particles, Crossings(case, state)
+    state.time = 0.0
+    p.position[p.fluid, 0] += D0
+    crossings.count(state)
+    state.time = 0.1
+    p.take(np.arange(10, p.count))
+    p.fluid_count -= 10
+    crossings.count(state)
+    assert not state.crossed.any()
+
+
+def test_what_returns_through_the_end_of_a_period_is_counted_where_it_passes():
+    case, state = still_water(2, [{"type": "section", "x": 0.02}])
+    shape = case.geometry.model_copy(update={"periodic": True})
+    case = case.model_copy(update={"geometry": shape})
+    p, crossings = state.particles, Crossings(case, state)
+    state.time = 0.1
+    p.position[p.fluid, 0] = (p.position[p.fluid, 0] + D0) % 1.0
+    crossings.count(state)
+    assert state.crossed[0, 0] == 10
