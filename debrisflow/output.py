@@ -16,19 +16,22 @@ from debrisflow.case import dump_case, tables
 from debrisflow.deposit import DepositWriter
 from debrisflow.errors import OutputError
 from debrisflow.history import HistoryWriter
+from debrisflow.maxima import write_maxima
 from debrisflow.measures import DepositProfile
 from debrisflow.state import State
-from debrisflow.vtu import FOLDER, Collection
+from debrisflow.vtu import FOLDER, Collection, write_walls
 
 CASE = "case.toml"
 FRAMES = "particles.pvd"
+WALLS = "walls.vtu"
 DEPOSIT = "deposit.csv"
 HISTORY = "history.csv"
+MAXIMA = "maxima.csv"
 SUMMARY = "summary.json"
 LOG = "run.log"
 CHECKPOINT = "checkpoint.h5"
 POSTPROCESS = "postprocess"
-RESULTS = (CASE, FRAMES, DEPOSIT, HISTORY, SUMMARY, LOG, CHECKPOINT)
+RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
 DERIVED = ("front.csv", "profiles.csv", "deposit_profile.csv")
 
 
@@ -79,20 +82,22 @@ class RunFolder:
     ----------
     path : Path
         An existing folder; see :meth:`create` and :meth:`open`.
+    case : Case
 
     Attributes
     ----------
     path, checkpoint_path : Path
+    case : Case
     log : logging.Logger
         Logger of the package.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, case: tables.Case) -> None:
+        self.path, self.case = path, case
         self.checkpoint_path = path / CHECKPOINT
         self._frames = Collection(path / FRAMES)
-        self._deposit = DepositWriter(path / DEPOSIT)
-        self._history = HistoryWriter(path / HISTORY)
+        self._deposit = DepositWriter(path / DEPOSIT, case.dimension)
+        self._history = HistoryWriter(path / HISTORY, case.dimension)
         self.log = logging.getLogger("debrisflow")
         self.log.setLevel(logging.INFO)
         self._handler = logging.FileHandler(path / LOG, encoding="utf-8")
@@ -121,13 +126,13 @@ class RunFolder:
             _clear(path, overwrite)
             with replaced(path / CASE) as unfinished:
                 unfinished.write_text(dump_case(case), encoding="utf-8")
-            return cls(path)
+            return cls(path, case)
         except OSError as error:
             raise OutputError(f"cannot write into {path}: {error.strerror}") from error
 
     @classmethod
-    def open(cls, path: Path) -> Self:
-        """Return the folder of an earlier run, to be continued.
+    def open(cls, path: Path, case: tables.Case) -> Self:
+        """Return the folder of an earlier run of a case, to be continued.
 
         Raises
         ------
@@ -137,13 +142,28 @@ class RunFolder:
         if not (path / CASE).is_file():
             raise OutputError(f"{path} is no run folder: it holds no {CASE}")
         try:
-            return cls(path)
+            return cls(path, case)
         except OSError as error:
             raise OutputError(f"cannot write into {path}: {error.strerror}") from error
 
     def write_frame(self, state: State) -> None:
-        """Write the particles as the next frame."""
-        self._frames.append(state.time, state.particles)
+        """Write the particles as the next frame, and the maxima until then.
+
+        In three dimensions most particles are walls, which do not move: they stand once in a file
+        of their own, and the frames hold the fluid and the waiting supply.
+        """
+        p = state.particles
+        if self.case.dimension == 3:
+            if not (self.path / WALLS).exists():
+                write_walls(self.path / WALLS, p)
+            self._frames.append(state.time, p, slice(0, p.inflow.stop))
+        else:
+            self._frames.append(state.time, p)
+        self.write_maxima(state)
+
+    def write_maxima(self, state: State) -> None:
+        """Write the maxima of the run until now."""
+        write_maxima(self.path / MAXIMA, self.case, state.time, state.maxima)
 
     def write_deposit(self, time: float, profile: DepositProfile) -> None:
         """Append a deposit profile at a time, s."""
@@ -159,11 +179,12 @@ class RunFolder:
             unfinished.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
 
     def rewind(self, time: float) -> None:
-        """Drop what was written later than a time, s, and the summary of an earlier end."""
+        """Drop what was written later than a time, s, and what told of an earlier end."""
         self._frames.drop_after(time)
         self._deposit.truncate_after(time)
         self._history.truncate_after(time)
-        (self.path / SUMMARY).unlink(missing_ok=True)
+        for name in (MAXIMA, SUMMARY):
+            (self.path / name).unlink(missing_ok=True)
 
     def detach_log(self) -> None:
         """Let the package log no longer into this folder."""

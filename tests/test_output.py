@@ -78,7 +78,7 @@ def rows_of(file):
 
 def written(folder, state, row, times):
     """Write a frame, a deposit profile of two bins and a row of history at each time."""
-    profile = DepositProfile(*np.array([[0.1, 0.3], [0.2, 0.1], [0.3, 0.3], [0.5, np.nan]]))
+    profile = DepositProfile(*np.array([[0.1, 0.3], [0, 0], [0.2, 0.1], [0.3, 0.3], [0.5, np.nan]]))
     for time in times:
         state.time = time
         folder.write_frame(state)
@@ -152,9 +152,9 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path, case):
         RunFolder.create(tmp_path / "file/run", case)
 
 
-def test_opening_what_is_no_run_is_refused(tmp_path):
+def test_opening_what_is_no_run_is_refused(tmp_path, case):
     with pytest.raises(OutputError, match="no run folder"):
-        RunFolder.open(tmp_path)
+        RunFolder.open(tmp_path, case)
 
 
 def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path, case, state, row):
@@ -166,7 +166,7 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path, case,
         folder.write_summary({"end_reason": "interrupted"})
     with (tmp_path / "broken/history.csv").open("a") as file:
         file.write("0.45,17")
-    with RunFolder.open(tmp_path / "broken") as folder:
+    with RunFolder.open(tmp_path / "broken", case) as folder:
         folder.rewind(times[3])
         written(folder, state, row, times[4:])
     for file in (tmp_path / "whole").rglob("*"):
@@ -195,7 +195,10 @@ def test_rows_are_on_disk_while_the_run_goes_on(tmp_path, case, state, row):
 def test_a_series_with_other_columns_is_not_continued(tmp_path, case):
     RunFolder.create(tmp_path, case).close()
     (tmp_path / "deposit.csv").write_text("time,height\n0,1\n")
-    with RunFolder.open(tmp_path) as folder, pytest.raises(OutputError, match="other columns"):
+    with (
+        RunFolder.open(tmp_path, case) as folder,
+        pytest.raises(OutputError, match="other columns"),
+    ):
         folder.rewind(0.0)
 
 
