@@ -20,7 +20,7 @@ PLACE_WORDS = {
 }
 FLOOR_WORDS = {
     2: "the fixed floor (under a bed: the bottom of its recess)",
-    3: "the floor, or over the top of an obstacle on it",
+    3: "the floor, or the top of an obstacle on it",
 }
 
 

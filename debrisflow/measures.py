@@ -175,11 +175,11 @@ def deposit_profile(
     deposited = slow & packed & (height > 0.0)
 
     deposit = _contiguous_height(cell[deposited], height[deposited], grid, d0)
-    flow = _greatest_height(cell[dense], height[dense], grid, d0)
+    top = _greatest_height(cell[dense], height[dense], grid, d0)
     share = _mean_by_cell(
-        phase_fractions(case)[kind[rows]], cell, height + 0.5 * d0 <= flow[cell], grid
+        phase_fractions(case)[kind[rows]], cell, height + 0.5 * d0 <= top[cell], grid
     )
-    return DepositProfile(grid.x, grid.y, deposit, flow, share)
+    return DepositProfile(grid.x, grid.y, deposit, top, share)
 
 
 def _greatest_height(cell: NDArray[np.int64], height: Floats, grid: Grid, d0: float) -> Floats:
