@@ -11,8 +11,12 @@ import numpy as np
 
 from debrisflow.atomic import replaced
 from debrisflow.errors import OutputError
+from debrisflow.maxima import Maxima
 from debrisflow.particles import Particles
 from debrisflow.state import State
+
+# the records in a state, by the names of its fields
+PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima}
 
 
 def save(path: Path, state: State) -> None:
@@ -43,8 +47,8 @@ def load(path: Path) -> State:
     """
     try:
         with h5py.File(path, "r") as file:
-            particles = Particles(**_taken(file["particles"], Particles))
-            return State(particles=particles, **_taken(file, State))
+            parts = {name: part(**_taken(file[name], part)) for name, part in PARTS.items()}
+            return State(**parts, **_taken(file, State))
     except FileNotFoundError as error:
         raise OutputError(f"there is no checkpoint {path}") from error
     except (OSError, KeyError, TypeError) as error:
@@ -53,10 +57,10 @@ def load(path: Path) -> State:
         ) from error
 
 
-def _put(group: h5py.Group, record: State | Particles) -> None:
+def _put(group: h5py.Group, record: State | Particles | Maxima) -> None:
     for field in fields(record):
         value = getattr(record, field.name)
-        if isinstance(value, Particles):
+        if field.name in PARTS:
             _put(group.create_group(field.name), value)
         elif isinstance(value, np.ndarray):
             group.create_dataset(field.name, data=value, compression="gzip")
@@ -64,11 +68,11 @@ def _put(group: h5py.Group, record: State | Particles) -> None:
             group.attrs[field.name] = value
 
 
-def _taken(group: h5py.Group, record: type[State] | type[Particles]) -> dict[str, Any]:
+def _taken(group: h5py.Group, record: type[Any]) -> dict[str, Any]:
     """Return the arrays and scalars of a group; none may be missing, or a default would slip in."""
     arrays = {name: item[()] for name, item in group.items() if isinstance(item, h5py.Dataset)}
     found = arrays | {name: value.item() for name, value in group.attrs.items()}
-    missing = {field.name for field in fields(record)} - found.keys() - {"particles"}
+    missing = {field.name for field in fields(record)} - found.keys() - PARTS.keys()
     if missing:
         raise KeyError(", ".join(sorted(missing)))
     return found

@@ -9,7 +9,7 @@ import numpy as np
 
 from debrisflow.case import tables
 from debrisflow.lattice import Reference
-from debrisflow.measures import energies, fronts, phase_masses
+from debrisflow.measures import elastic_energy, energies, fronts, phase_masses
 from debrisflow.series import Series
 from debrisflow.state import PHASES, State
 
@@ -24,22 +24,26 @@ COLUMNS = (
     *(f"front_{phase}" for phase in (*PHASES, "all")),
     "kinetic_energy",
     "potential_energy",
+    "elastic_energy",
     "maximal_speed",
     "least_density_ratio",
     "greatest_density_ratio",
 )
 HEAD = (
     "time, dt: s; time is negative while the fills settle before the start",
-    "ppe_iterations: iterations of the last step's pressure equation",
+    "ppe_iterations: iterations of the last step's pressure equation; 0 in the explicit scheme",
     "particles_*: count since the start of the run; in through the inflow, out over an open end",
     "  or a rim, inside now, through_wall lost through a wall",
-    "mass_*: kg per meter of width, of the same particles",
+    "mass_*: kg{per_width}, of the same particles",
     "front_*: m; the x behind which 99.5 % of the volume lies that is faster than",
     "  output.rest_speed; nan if nothing is",
-    "kinetic_energy, potential_energy: J per meter of width; potential energy is 0 at the origin",
+    "kinetic_energy, potential_energy, elastic_energy: J{per_width}; potential energy is 0 at the",
+    "  origin; elastic is that of the compression in the explicit scheme",
     "maximal_speed: m/s",
     "least_density_ratio, greatest_density_ratio: n/n0 of the fluid particles",
 )
+
+PER_WIDTH = {2: " per meter of width", 3: ""}
 
 
 def history_row(
@@ -70,6 +74,9 @@ def history_row(
         **{f"front_{phase}": x for phase, x in front.items()},
         "kinetic_energy": energy.kinetic,
         "potential_energy": energy.potential,
+        "elastic_energy": elastic_energy(
+            case, p.density[fluid], p.kind[fluid], p.compression[fluid]
+        ),
         "maximal_speed": float(np.linalg.norm(p.velocity[fluid], axis=1).max(initial=0.0)),
         "least_density_ratio": float(ratio.min()) if ratio.size else np.nan,
         "greatest_density_ratio": float(ratio.max()) if ratio.size else np.nan,
@@ -95,10 +102,13 @@ class HistoryWriter(Series):
     Parameters
     ----------
     path : Path
+    dimension : int
+        In two dimensions masses and energies are per meter of width.
     """
 
-    def __init__(self, path: Path) -> None:
-        super().__init__(path, COLUMNS, HEAD)
+    def __init__(self, path: Path, dimension: int) -> None:
+        head = [line.format(per_width=PER_WIDTH[dimension]) for line in HEAD]
+        super().__init__(path, COLUMNS, head)
 
     def write(self, row: Mapping[str, float | int]) -> None:
         """Append a row, given by the names of its columns."""

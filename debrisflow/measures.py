@@ -1,8 +1,8 @@
-"""What is read from a set of particles: fronts, deposit and flow height, energy (NumPy only).
+"""What is read from a set of particles: fronts, deposit, flow, energy (NumPy only).
 
 The writers and the post-processing measure alike because both call these functions.  They take
 the arrays of all particles, in any order, and choose the fluid by its kind.  All particles have
-the volume d0^2 per meter of width.
+the volume d0^Ds: m2, per meter of width, in two dimensions, and m3 in three.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from debrisflow import geometry
 from debrisflow.case import tables
-from debrisflow.particles import Kind
+from debrisflow.grid import Grid, locate, plan, wrapped
+from debrisflow.particles import Kind, Particles
 from debrisflow.state import PHASES
 
 Floats = NDArray[np.float64]
@@ -25,26 +25,42 @@ LEAST_DENSITY_RATIO = 0.5
 
 
 class DepositProfile(NamedTuple):
-    """Deposit and flow in bins 2 d0 wide along the bed.
+    """Deposit and flow in the cells of :func:`debrisflow.grid.plan`.
 
     Attributes
     ----------
-    x : (n,) float64 array, m
-        Centers of the bins.
+    x, y : (n,) float64 array, m
+        Centers of the cells; in two dimensions y, which is across, is 0.
     deposit_height, flow_height : (n,) float64 array, m
-        Above the fixed floor; 0 where there is none.
+        Above the fixed floor or the top of an obstacle; 0 where there is none.
     concentration : (n,) float64 array
         Volume share of sediment up to ``flow_height``; nan where nothing flows or lies.
     """
 
     x: Floats
+    y: Floats
     deposit_height: Floats
     flow_height: Floats
     concentration: Floats
 
 
+class Flow(NamedTuple):
+    """Flow over the cells of :func:`debrisflow.grid.plan`; 0 where there is none.
+
+    Attributes
+    ----------
+    depth : (n,) float64 array, m
+    speed : (n,) float64 array, m/s
+    momentum_flux : (n,) float64 array, N/m
+    """
+
+    depth: Floats
+    speed: Floats
+    momentum_flux: Floats
+
+
 class Energies(NamedTuple):
-    """Energy of the fluid per meter of width, J/m."""
+    """Energy of the fluid, J; per meter of width in two dimensions."""
 
     kinetic: float
     potential: float
@@ -69,26 +85,20 @@ def phase_fractions(case: tables.Case) -> Floats:
     return np.array([0.0, 1.0, case.mixture.concentration])
 
 
+def particle_volume(case: tables.Case) -> float:
+    """Return d0^Ds: m2, per meter of width, in two dimensions, and m3 in three."""
+    return float(case.particles.spacing**case.dimension)
+
+
 def phase_masses(case: tables.Case) -> Floats:
-    """Return the mass of a particle of each phase, (3,) float64 array, kg per meter of width."""
+    """Return the mass of a particle of each phase, (3,) float64 array, kg (2D: per meter)."""
     water, rock = case.water.density, case.sediment.density
-    return (water + phase_fractions(case) * (rock - water)) * case.particles.spacing**2
+    return (water + phase_fractions(case) * (rock - water)) * particle_volume(case)
 
 
 def is_fluid(kind: ArrayLike) -> NDArray[np.bool_]:
     """Return which particles are liquid, sediment or mixture; waiting supply is not."""
     return np.asarray(kind) <= Kind.MIXTURE
-
-
-def floor_length(case: tables.Case) -> float:
-    """Return the extent of a tank or channel along x, m."""
-    shape = case.geometry
-    return shape.width if isinstance(shape, tables.Tank) else shape.length
-
-
-def wrapped(case: tables.Case, x: Floats) -> Floats:
-    """Return x brought back between 0 and the length where the case repeats along x, m."""
-    return np.mod(x, floor_length(case)) if case.geometry.periodic else x
 
 
 def fronts(
@@ -98,6 +108,7 @@ def fronts(
 
     What is faster than ``output.rest_speed`` flows.  Particles count whole, by their centers, so
     that a front is the x of a particle and a flow of fewer than 200 ends at its foremost one.
+    In three dimensions too x alone counts: the front is the foremost of the whole width.
 
     Parameters
     ----------
@@ -110,7 +121,7 @@ def fronts(
         x by ``liquid``, ``sediment``, ``mixture`` and ``all``; nan if nothing of it flows.
     """
     flowing = is_fluid(kind) & (np.linalg.norm(velocity, axis=1) > case.output.rest_speed)
-    x, phase = wrapped(case, position[flowing, 0]), np.asarray(kind)[flowing]
+    x, phase = wrapped(case, position[flowing])[:, 0], np.asarray(kind)[flowing]
     found = {name: _front(x[phase == number]) for number, name in enumerate(PHASES)}
     return found | {"all": _front(x)}
 
@@ -130,14 +141,15 @@ def deposit_profile(
     number_density: Floats,
     reference_number_density: float,
 ) -> DepositProfile:
-    """Return deposit height, flow height and concentration in bins 2 d0 wide along the bed.
+    """Return deposit height, flow height and concentration in cells 2 d0 wide.
 
-    Heights are measured from the fixed floor at the middle of the bin, which under a bed is the
-    bottom of its recess, along its normal; a particle reaches d0/2 above its center.
+    Heights are measured from the floor under the middle of the cell, along its normal: the fixed
+    floor, which under a bed is the bottom of its recess, or the top of an obstacle.  A particle
+    reaches d0/2 above its center.
 
     A particle is deposited if it is slower than ``output.rest_speed`` and, other than a mixture
     particle, sees a concentration of 0.3 or more.  The deposit grows from the floor from one
-    deposited particle to the next higher one of the bin, whichever column it stands in, until the
+    deposited particle to the next higher one of the cell, whichever column it stands in, until the
     next is more than 1.5 d0 higher: a layer without any ends it, a single particle that flows or
     stands among water does not.  (The concentration seen by a particle of a mixed bed scatters: if
     any such particle ended the deposit, it would be measured too thin.)
@@ -152,45 +164,81 @@ def deposit_profile(
     reference_number_density : float
         n0 of the lattice.
     """
-    d0, length = case.particles.spacing, floor_length(case)
-    # the last bin of an odd number of spacings is narrower; rounding must not make one of nothing
-    edges = np.append(np.arange(0.0, length - 1e-6 * d0, 2.0 * d0), length)
-    centers = 0.5 * (edges[:-1] + edges[1:])
-    x = wrapped(case, position[:, 0])
-    rows = np.flatnonzero(is_fluid(kind) & (x >= 0.0) & (x < length))
-    number = np.searchsorted(edges, x[rows], side="right") - 1
-    height = geometry.height_over_floor(case, x[rows], position[rows, 1], centers[number])
+    d0, grid = case.particles.spacing, plan(case)
+    fluid = np.flatnonzero(is_fluid(kind))
+    found, cell, height = locate(case, grid, position[fluid])
+    rows = fluid[found]
 
     slow = np.linalg.norm(velocity[rows], axis=1) < case.output.rest_speed
     packed = (kind[rows] == Kind.MIXTURE) | (concentration[rows] >= DEPOSIT_CONCENTRATION)
     dense = number_density[rows] >= LEAST_DENSITY_RATIO * reference_number_density
     deposited = slow & packed & (height > 0.0)
 
-    deposit, flow = np.zeros((2, centers.size))
-    for i in np.unique(number[deposited]):
-        deposit[i] = contiguous_height(height[deposited & (number == i)], d0)
-    np.maximum.at(flow, number[dense], height[dense] + 0.5 * d0)
-    share = _mean_by_bin(
-        phase_fractions(case)[kind[rows]], number, height + 0.5 * d0 <= flow[number], centers.size
+    deposit = contiguous_height(cell[deposited], height[deposited], grid.x.size, d0)
+    top = _greatest_height(cell[dense], height[dense], grid.x.size, d0)
+    share = _mean_by_cell(
+        phase_fractions(case)[kind[rows]], cell, height + 0.5 * d0 <= top[cell], grid
     )
-    return DepositProfile(centers, deposit, flow, share)
+    return DepositProfile(grid.x, grid.y, deposit, top, share)
 
 
-def contiguous_height(height: Floats, d0: float) -> float:
-    """Return the top of a pile; the floor counts as a particle half a spacing below it."""
-    climbing = np.append(-0.5 * d0, np.sort(height))
-    gaps = np.flatnonzero(np.diff(climbing) > LARGEST_GAP * d0)
-    return float(climbing[gaps[0] if gaps.size else -1] + 0.5 * d0)
+def _greatest_height(cell: NDArray[np.int64], height: Floats, cells: int, d0: float) -> Floats:
+    """Return how high the particles of each cell reach, m; 0 where there are none."""
+    greatest = np.zeros(cells)
+    np.maximum.at(greatest, cell, height + 0.5 * d0)
+    return greatest
 
 
-def _mean_by_bin(
-    value: Floats, number: NDArray[np.int64], chosen: NDArray[np.bool_], bins: int
+def contiguous_height(cell: NDArray[np.int64], height: Floats, cells: int, d0: float) -> Floats:
+    """Return the top of the pile in each cell; the floor counts as a particle d0/2 below it."""
+    order = np.lexsort((height, cell))
+    cell, height = cell[order], height[order]
+    is_lowest = np.diff(cell, prepend=-1) > 0
+    below = np.where(is_lowest, -0.5 * d0, np.roll(height, 1))
+    is_gap = height - below > LARGEST_GAP * d0
+    gaps: NDArray[np.int64] = np.cumsum(is_gap)
+    in_cells_before = (gaps - is_gap)[is_lowest][np.cumsum(is_lowest) - 1]
+    piled = gaps == in_cells_before
+    return _greatest_height(cell[piled], height[piled], cells, d0)
+
+
+def _mean_by_cell(
+    value: Floats, cell: NDArray[np.int64], chosen: NDArray[np.bool_], grid: Grid
 ) -> Floats:
-    count = np.bincount(number[chosen], minlength=bins)
-    total = np.bincount(number[chosen], value[chosen], minlength=bins)
-    mean = np.full(bins, np.nan)
+    count = np.bincount(cell[chosen], minlength=grid.x.size)
+    total = np.bincount(cell[chosen], value[chosen], minlength=grid.x.size)
+    mean = np.full(grid.x.size, np.nan)
     np.divide(total, count, out=mean, where=count > 0)
     return mean
+
+
+def flow(case: tables.Case, particles: Particles, reference_number_density: float) -> Flow:
+    """Return depth, mean speed and momentum flux of the flow over each cell.
+
+    The depth is the flow height of :func:`deposit_profile`, what lies at rest included.  Of the
+    particles with n >= 0.5 n0 of a cell, the speed is the mean of ``|u|``, and the momentum flux
+    is ``sum rho V |u|^2 / A``, the integral of rho u^2 over the depth, with the volume V = d0^Ds
+    of a particle and the area A of the cell.
+
+    Parameters
+    ----------
+    case : Case
+    particles : Particles
+    reference_number_density : float
+        n0 of the lattice.
+    """
+    d0, grid, fluid = case.particles.spacing, plan(case), particles.fluid
+    row, cell, height = locate(case, grid, particles.position[fluid])
+    least = LEAST_DENSITY_RATIO * reference_number_density
+    counted = (particles.number_density[fluid][row] >= least) & (height > -0.5 * d0)
+    row, cell, height = row[counted], cell[counted], height[counted]
+
+    depth = _greatest_height(cell, height, grid.x.size, d0)
+    speed = np.linalg.norm(particles.velocity[fluid][row], axis=1)
+    mean_speed = np.nan_to_num(_mean_by_cell(speed, cell, np.ones(cell.size, dtype=bool), grid))
+    momentum = particles.density[fluid][row] * particle_volume(case) * speed**2
+    flux = np.bincount(cell, momentum, minlength=grid.x.size) / grid.area
+    return Flow(depth, mean_speed, flux)
 
 
 def energies(
@@ -200,9 +248,10 @@ def energies(
     density: Floats,
     kind: NDArray[np.integer],
 ) -> Energies:
-    """Return the energy of the fluid, J per meter of width.
+    """Return kinetic and potential energy of the fluid, J; per meter of width in two dimensions.
 
-    ``E_k = sum rho d0^2 u^2 / 2`` and ``E_p = -sum rho d0^2 g . x``, zero at the origin.
+    ``E_k = sum rho V u^2 / 2`` and ``E_p = -sum rho V g . x``, zero at the origin, with the volume
+    V = d0^Ds of a particle.
 
     Parameters
     ----------
@@ -211,7 +260,39 @@ def energies(
     kind : (n,) int array
     """
     fluid = is_fluid(kind)
-    mass = density[fluid] * case.particles.spacing**2
+    mass = density[fluid] * particle_volume(case)
     speed_squared = np.einsum("ij,ij->i", velocity[fluid], velocity[fluid])
     fall = position[fluid] @ gravity_vector(case)
     return Energies(0.5 * float(mass @ speed_squared), -float(mass @ fall))
+
+
+def elastic_energy(
+    case: tables.Case,
+    density: Floats,
+    kind: NDArray[np.integer],
+    compression: Floats,
+) -> float:
+    """Return the energy that compression stores in the fluid, J; 0 if it is incompressible.
+
+    With the equation of state ``p = c^2 (rho - rho0)`` of the explicit scheme and
+    s = rho / rho0 - 1, a unit of mass stores
+
+        e = integral of p / rho^2 d rho from rho0 to rho = c^2 [ln(1 + s) - s / (1 + s)],
+
+    about ``c^2 s^2 / 2``; nothing where s < 0, since the fluid bears no tension.
+
+    Parameters
+    ----------
+    density : (n,) array, kg/m3
+        rho0, so that the mass is ``rho0 d0^Ds``.
+    kind : (n,) int array
+    compression : (n,) array
+        s.
+    """
+    if not isinstance(case.scheme, tables.ExplicitScheme):
+        return 0.0
+    assert case.scheme.sound_speed is not None
+    fluid = is_fluid(kind)
+    s = np.maximum(compression[fluid], 0.0)
+    mass = density[fluid] * particle_volume(case)
+    return case.scheme.sound_speed**2 * float(mass @ (np.log1p(s) - s / (1.0 + s)))

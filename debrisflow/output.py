@@ -16,21 +16,24 @@ from debrisflow.case import dump_case, tables
 from debrisflow.deposit import DepositWriter
 from debrisflow.errors import OutputError
 from debrisflow.history import HistoryWriter
+from debrisflow.maxima import write_maxima
 from debrisflow.measures import DepositProfile
 from debrisflow.probes import ProbeWriter, is_probe_file
 from debrisflow.state import State
-from debrisflow.vtu import FOLDER, Collection
+from debrisflow.vtu import FOLDER, Collection, write_walls
 
 CASE = "case.toml"
 FRAMES = "particles.pvd"
+WALLS = "walls.vtu"
 DEPOSIT = "deposit.csv"
 HISTORY = "history.csv"
+MAXIMA = "maxima.csv"
 SUMMARY = "summary.json"
 LOG = "run.log"
 CHECKPOINT = "checkpoint.h5"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
-RESULTS = (CASE, FRAMES, DEPOSIT, HISTORY, SUMMARY, LOG, CHECKPOINT)
+RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
 DERIVED = ("front.csv", "profiles.csv", "deposit_profile.csv")
 
 
@@ -90,16 +93,17 @@ class RunFolder:
     Attributes
     ----------
     path, checkpoint_path : Path
+    case : Case
     log : logging.Logger
         Logger of the package.
     """
 
     def __init__(self, path: Path, case: tables.Case) -> None:
-        self.path = path
+        self.path, self.case = path, case
         self.checkpoint_path = path / CHECKPOINT
         self._frames = Collection(path / FRAMES)
-        self._deposit = DepositWriter(path / DEPOSIT)
-        self._history = HistoryWriter(path / HISTORY)
+        self._deposit = DepositWriter(path / DEPOSIT, case.dimension)
+        self._history = HistoryWriter(path / HISTORY, case.dimension)
         if case.probe:
             (path / PROBES).mkdir(exist_ok=True)
         self._probes = {
@@ -155,8 +159,23 @@ class RunFolder:
             raise OutputError(f"cannot write into {path}: {error.strerror}") from error
 
     def write_frame(self, state: State) -> None:
-        """Write the particles as the next frame."""
-        self._frames.append(state.time, state.particles)
+        """Write the particles as the next frame, and the maxima until then.
+
+        In three dimensions most particles are walls, which do not move: they stand once in a file
+        of their own, and the frames hold the fluid and the waiting supply.
+        """
+        p = state.particles
+        if self.case.dimension == 3:
+            if not (self.path / WALLS).exists():
+                write_walls(self.path / WALLS, p)
+            self._frames.append(state.time, p, slice(0, p.inflow.stop))
+        else:
+            self._frames.append(state.time, p)
+        self.write_maxima(state)
+
+    def write_maxima(self, state: State) -> None:
+        """Write the maxima of the run until now."""
+        write_maxima(self.path / MAXIMA, self.case, state.time, state.maxima)
 
     def write_deposit(self, time: float, profile: DepositProfile) -> None:
         """Append a deposit profile at a time, s."""
@@ -176,13 +195,14 @@ class RunFolder:
             unfinished.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
 
     def rewind(self, time: float) -> None:
-        """Drop what was written later than a time, s, and the summary of an earlier end."""
+        """Drop what was written later than a time, s, and what told of an earlier end."""
         self._frames.drop_after(time)
         self._deposit.truncate_after(time)
         self._history.truncate_after(time)
         for probe in self._probes.values():
             probe.truncate_after(time)
-        (self.path / SUMMARY).unlink(missing_ok=True)
+        for name in (MAXIMA, SUMMARY):
+            (self.path / name).unlink(missing_ok=True)
 
     def detach_log(self) -> None:
         """Let the package log no longer into this folder."""

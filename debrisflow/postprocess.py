@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
 from debrisflow.errors import OutputError
-from debrisflow.geometry import floor_bend, floor_level, height_over_floor
-from debrisflow.lattice import reference
-from debrisflow.measures import (
-    deposit_profile,
+from debrisflow.geometry import floor_bend, height_over_floor
+from debrisflow.grid import (
+    FLOOR_WORDS,
+    PLACE,
+    PLACE_WORDS,
     floor_length,
-    fronts,
-    is_fluid,
+    floor_level,
+    plan,
     wrapped,
 )
+from debrisflow.lattice import reference
+from debrisflow.measures import deposit_profile, fronts, is_fluid
 from debrisflow.output import CASE, DERIVED, FRAMES, POSTPROCESS
 from debrisflow.series import Row, write_table
 from debrisflow.state import PHASES
@@ -34,19 +37,21 @@ FRONT_HEAD = (
     "  output.rest_speed; nan if nothing is",
     "speed_*: m/s; speed of that front, by central differences between the frames",
 )
+UP = {2: "y", 3: "z"}
 PROFILES_HEAD = (
-    "time: s; station: m, x along the bed; averages over one spacing to either side of it and",
-    "  over layers one spacing thick; layers without particles are left out",
-    "y: m, middle of the layer above the fixed floor (under a bed: the bottom of its recess),",
+    "time: s; station: m, x along the bed; averages over one spacing to either side of it{across}",
+    "  and over layers one spacing thick; layers without particles are left out",
+    "{up}: m, middle of the layer above the fixed floor (under a bed: the bottom of its recess),",
     "  along its normal",
     "velocity: m/s, mean of the component along the floor",
     "concentration: mean of the sediment concentrations that the particles see",
     "samples: particles in the mean",
 )
+ACROSS = {2: "", 3: ", over the width"}
 DEPOSIT_HEAD = (
     "the deposit in the last frame, time = {time!r} s",
-    "x: m, along the bed; middle of a bin 2 spacings wide",
-    "floor_level: m, y of the fixed floor (under a bed: the bottom of its recess)",
+    "{place}",
+    "floor_level: m, of {floor}",
     "deposit_height, flow_height: m above it along its normal; concentration: volume share of",
     "  sediment up to flow_height; all as in deposit.csv, where their definitions stand",
 )
@@ -116,8 +121,8 @@ def postprocess(folder: Path, stations: Sequence[float] | None = None) -> list[P
     )
     write_table(
         profile,
-        ("time", "station", "y", "velocity", "concentration", "samples"),
-        PROFILES_HEAD,
+        ("time", "station", UP[case.dimension], "velocity", "concentration", "samples"),
+        [s.format(up=UP[case.dimension], across=ACROSS[case.dimension]) for s in PROFILES_HEAD],
         profile_rows,
     )
     _write_deposit(deposit, case, frame)
@@ -162,7 +167,8 @@ def _read_frame(time: float, file: Path) -> Frame:
 def profiles(case: tables.Case, frame: Frame, stations: Iterable[float]) -> Iterator[Row]:
     """Yield the velocity and concentration profile at each station, a row a layer.
 
-    A layer is d0 thick and 2 d0 wide; one without particles is left out.
+    A layer is d0 thick and 2 d0 long; one without particles is left out.  In three dimensions it
+    reaches across the whole width, and its height is over the floor, also beside an obstacle.
 
     Parameters
     ----------
@@ -174,19 +180,20 @@ def profiles(case: tables.Case, frame: Frame, stations: Iterable[float]) -> Iter
     Yields
     ------
     tuple
-        time, s; station, m; y above the fixed floor along its normal, m; mean velocity along the
-        floor, m/s; mean concentration; number of particles.
+        time, s; station, m; height above the fixed floor along its normal, m; mean velocity along
+        the floor, m/s; mean concentration; number of particles.
     """
-    d0, x = case.particles.spacing, wrapped(case, frame.position[:, 0])
+    d0, up = case.particles.spacing, case.dimension - 1
+    x = wrapped(case, frame.position)[:, 0]
     fluid = is_fluid(frame.kind)
     for station in stations:
         at = np.full(1, station)
-        height = height_over_floor(case, x, frame.position[:, 1], at)
+        height = height_over_floor(case, x, frame.position[:, up], at)
         along = np.array([*np.cos(floor_bend(case, at)), *np.sin(floor_bend(case, at))])
         here = fluid & (x >= station - d0) & (x < station + d0) & (height > 0.0)
         layer = (height[here] / d0).astype(int)
         count = np.bincount(layer)
-        velocity = np.bincount(layer, frame.velocity[here, :2] @ along)
+        velocity = np.bincount(layer, frame.velocity[here][:, [0, up]] @ along)
         concentration = np.bincount(layer, frame.concentration[here])
         for j in np.flatnonzero(count):
             means = float(velocity[j] / count[j]), float(concentration[j] / count[j])
@@ -202,10 +209,15 @@ def _with_speeds(rows: list[Row]) -> list[Row]:
 
 
 def _write_deposit(path: Path, case: tables.Case, frame: Frame) -> None:
-    d0, effective_radius = case.particles.spacing, case.particles.effective_radius
-    n0 = reference(2, effective_radius, d0).number_density
-    x, *rest = deposit_profile(case, *frame[1:], reference_number_density=n0)
-    head = [line.format(time=frame.time) for line in DEPOSIT_HEAD]
-    rows = zip(x, floor_level(case, x), *rest, strict=True)
-    columns = ("x", "floor_level", "deposit_height", "flow_height", "concentration")
-    write_table(path, columns, head, ([float(v) for v in row] for row in rows))
+    n0 = reference(
+        case.dimension, case.particles.effective_radius, case.particles.spacing
+    ).number_density
+    profile = deposit_profile(case, *frame[1:], reference_number_density=n0)
+    place = PLACE[case.dimension]
+    words = {"place": PLACE_WORDS[case.dimension], "floor": FLOOR_WORDS[case.dimension]}
+    head = [line.format(time=frame.time, **words) for line in DEPOSIT_HEAD]
+    columns = [getattr(profile, axis) for axis in place]
+    columns += [floor_level(case, plan(case)), *profile[2:]]
+    names = (*place, "floor_level", "deposit_height", "flow_height", "concentration")
+    rows = ([float(v) for v in row] for row in zip(*columns, strict=True))
+    write_table(path, names, head, rows)

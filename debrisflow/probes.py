@@ -23,12 +23,12 @@ from debrisflow.case.probes import (
     SectionProbe,
 )
 from debrisflow.errors import CaseError
+from debrisflow.grid import floor_length
 from debrisflow.lattice import reference
 from debrisflow.measures import (
     LARGEST_GAP,
     LEAST_DENSITY_RATIO,
     contiguous_height,
-    floor_length,
     phase_fractions,
 )
 from debrisflow.particles import Kind, Particles
@@ -124,7 +124,9 @@ class Height:
         filled = d0 * share[level > 0.0].sum() / np.prod(self._upper - self._lower)
         inside = np.all((offset >= self._lower) & (offset < self._upper), axis=1) & (level > 0.0)
         inside &= p.number_density[p.fluid] >= self._least_density
-        return contiguous_height(level[inside], d0), float(filled)
+        column = np.zeros(int(np.count_nonzero(inside)), dtype=np.int64)
+        height = contiguous_height(column, level[inside], 1, d0)
+        return float(height[0]), float(filled)
 
     def _offset(self, position: Floats) -> Floats:
         """Return the horizontal distance from the place, through the nearest image, m."""

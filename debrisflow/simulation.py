@@ -22,7 +22,7 @@ from debrisflow.case import load_case, tables
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.explicit import Explicit
 from debrisflow.history import history_row
-from debrisflow.measures import deposit_profile
+from debrisflow.measures import deposit_profile, flow
 from debrisflow.output import CASE, CHECKPOINT, RunFolder, Schedule
 from debrisflow.probes import Crossings, probe_measures
 from debrisflow.schemes import SemiImplicit
@@ -210,9 +210,13 @@ class _Run:
     def write(self, iterations: int) -> None:
         """Write what is due at the time of the state."""
         state, p = self.state, self.state.particles
+        n0 = self.scheme.lattice.number_density
         if self.histories.is_due(state.time):
             row = history_row(self.case, state, iterations, self.scheme.lattice)
             self.results.write_history(row)
+            if state.time >= 0.0:
+                found = flow(self.case, p, n0)
+                state.maxima.include(state.time, *found, spacing=self.case.particles.spacing)
         if self.deposits.is_due(state.time):
             profile = deposit_profile(
                 self.case,
@@ -221,7 +225,7 @@ class _Run:
                 p.kind,
                 p.concentration,
                 p.number_density,
-                self.scheme.lattice.number_density,
+                n0,
             )
             self.results.write_deposit(state.time, profile)
         if self.frames.is_due(state.time):
@@ -271,6 +275,7 @@ class _Run:
             "versions": {"python": platform.python_version()}
             | {name: version(name) for name in ("debrisflow", "numpy", "numba", "scipy")},
         }
+        self.results.write_maxima(state)
         self.results.write_summary(summary)
         LOG.info("%s: t = %g s after %d steps, %.1f s", reason, state.time, state.step, seconds)
         return summary

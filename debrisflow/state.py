@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from debrisflow import hydrostatic
 from debrisflow.case import tables
 from debrisflow.geometry import wall_layers
+from debrisflow.grid import plan
+from debrisflow.maxima import Maxima, no_maxima
 from debrisflow.particles import Particles, seed, supplied_sediment
 
 PHASES = ("liquid", "sediment", "mixture")
@@ -25,11 +27,13 @@ def _crossings(sections: int = 0) -> NDArray[np.int64]:
 
 @dataclass
 class State:
-    """Particles, clock and counters of a run.
+    """Particles, maxima, clock and counters of a run.
 
     Attributes
     ----------
     particles : Particles
+    maxima : Maxima
+        The greatest depth, speed and momentum flux since t = 0.
     time : float
         Simulated time, s; negative while the fills relax.
     step : int
@@ -51,6 +55,7 @@ class State:
     """
 
     particles: Particles
+    maxima: Maxima
     time: float = 0.0
     step: int = 0
     dt: float = 0.0
@@ -69,7 +74,8 @@ def initial_state(case: tables.Case) -> State:
     if isinstance(case.scheme, tables.ExplicitScheme):
         hydrostatic.compress(particles, case)
         hydrostatic.jitter(particles, case)
-    state = State(particles, time=0.0 - case.time.relaxation, next_id=particles.count)
+    maxima = no_maxima(plan(case).x.size)
+    state = State(particles, maxima, time=0.0 - case.time.relaxation, next_id=particles.count)
     state.crossed = _crossings(sum(probe.type == "section" for probe in case.probe))
     if case.inflow is not None:
         state.supply_columns = wall_layers(case)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import meshio
 import numpy as np
+from numpy.typing import NDArray
 
 from debrisflow.atomic import replaced
 from debrisflow.errors import OutputError
 from debrisflow.particles import Particles
 
+Floats = NDArray[np.float64]
 FOLDER = "vtu"
 REALS = (
     "velocity",
@@ -23,8 +26,8 @@ REALS = (
 )
 
 
-def write_particles(path: Path, particles: Particles) -> None:
-    """Write all particles as vertex cells of a binary VTU compressed by zlib.
+def write_particles(path: Path, particles: Particles, rows: slice = slice(None)) -> None:
+    """Write particles as vertex cells of a binary VTU compressed by zlib.
 
     Positions are float64, since terrain may lie far from its origin; the other reals are float32,
     which is finer than the solver's tolerance.  ``on_free_surface`` is 0 or 1.
@@ -33,13 +36,35 @@ def write_particles(path: Path, particles: Particles) -> None:
     ----------
     path : Path
     particles : Particles
+    rows : slice, optional
+        Which particles; all by default.
     """
-    data = {name: getattr(particles, name).astype(np.float32) for name in REALS}
-    data["kind"] = particles.kind
-    data["on_free_surface"] = particles.on_free_surface.astype(np.uint8)
-    data["id"] = particles.id
-    vertices = np.arange(particles.count)[:, None]
-    mesh = meshio.Mesh(particles.position, [("vertex", vertices)], point_data=data)
+    data = {name: getattr(particles, name)[rows].astype(np.float32) for name in REALS}
+    data["kind"] = particles.kind[rows]
+    data["on_free_surface"] = particles.on_free_surface[rows].astype(np.uint8)
+    data["id"] = particles.id[rows]
+    _write_points(path, particles.position[rows], data)
+
+
+def write_walls(path: Path, particles: Particles) -> None:
+    """Write the wall and dummy particles, which do not move, as :func:`write_particles` does.
+
+    ``wall`` is the place of the wall's name in :func:`debrisflow.geometry.wall_names`.
+
+    Parameters
+    ----------
+    path : Path
+    particles : Particles
+    """
+    solid = slice(particles.inflow.stop, None)
+    data = {name: getattr(particles, name)[solid] for name in ("kind", "id", "wall")}
+    data["wall_normal"] = particles.wall_normal[solid].astype(np.float32)
+    _write_points(path, particles.position[solid], data)
+
+
+def _write_points(path: Path, position: Floats, data: dict[str, Any]) -> None:
+    vertices = np.arange(len(position))[:, None]
+    mesh = meshio.Mesh(position, [("vertex", vertices)], point_data=data)
     with replaced(path) as unfinished:
         meshio.vtu.write(unfinished, mesh, binary=True, compression="zlib")
 
@@ -75,10 +100,10 @@ class Collection:
         self.frames = read_collection(path) if path.exists() else []
         self._write()
 
-    def append(self, time: float, particles: Particles) -> None:
-        """Write a frame at a time, s."""
+    def append(self, time: float, particles: Particles, rows: slice = slice(None)) -> None:
+        """Write a frame at a time, s; of some rows only, if they are given."""
         file = self.path.parent / FOLDER / f"{len(self.frames):06d}.vtu"
-        write_particles(file, particles)
+        write_particles(file, particles, rows)
         self.frames.append((time, file))
         self._write()
 

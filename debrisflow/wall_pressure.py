@@ -15,8 +15,9 @@ from scipy.spatial import cKDTree
 
 from debrisflow import geometry
 from debrisflow.case import tables
+from debrisflow.grid import floor_length
 from debrisflow.hydrostatic import are_among
-from debrisflow.measures import floor_length, gravity_vector
+from debrisflow.measures import gravity_vector
 from debrisflow.particles import Kind, Particles
 
 Floats = NDArray[np.float64]

@@ -1,4 +1,7 @@
-"""Draw frames of two-dimensional runs, times one below the other and runs side by side.
+"""Draw frames of runs, times one below the other and runs side by side.
+
+Of runs in three dimensions each frame is drawn twice, from above and from the side, with the
+outlines of tank and obstacles.
 
 python scripts/draw_frames.py RUN... FILE.png --times 0,2.6,4.5 [--by speed] [--window x0,x1,y0,y1]
 """
@@ -12,12 +15,16 @@ import matplotlib as mpl
 import numpy as np
 import pyvista
 
+from debrisflow.case import load_case, tables
+from debrisflow.output import CASE, FRAMES
 from debrisflow.particles import Kind
 from debrisflow.vtu import read_collection
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
 
+# axes that are drawn to the right and up
+ABOVE, SIDE = [0, 1], [0, 2]
 # colors of Okabe & Ito, which color-blind readers can tell apart
 COLORS = {
     Kind.LIQUID: "#56b4e9",
@@ -29,11 +36,14 @@ COLORS = {
 }
 
 
-def draw(axes: plt.Axes, path: Path, by: str) -> None:
-    """Draw one particle file, colored by kind or by a point array."""
+def draw(axes: plt.Axes, path: Path, by: str, view: list[int]) -> None:
+    """Draw one particle file, colored by kind or by a point array, as seen along the third axis."""
     frame = pyvista.read(path)
-    x, y, _ = frame.points.T
-    kind = frame["kind"]
+    # what is nearer to the eye comes last and covers the rest; in two dimensions nothing does
+    nearness = frame.points[:, 2] if view == ABOVE else -frame.points[:, 1]
+    order = np.argsort(nearness, kind="stable")
+    x, y = frame.points[order][:, view].T
+    kind = frame["kind"][order]
     size = 4.0 if frame.n_points < 20_000 else 0.5
     moving = kind <= Kind.MIXTURE
     for which in Kind:
@@ -43,8 +53,22 @@ def draw(axes: plt.Axes, path: Path, by: str) -> None:
             axes.scatter(x[rows], y[rows], s=size, c=COLORS[which], lw=0, label=label)
     if by != "kind":
         values = np.linalg.norm(frame["velocity"], axis=1) if by == "speed" else frame[by]
-        drawn = axes.scatter(x[moving], y[moving], s=size, c=values[moving], lw=0, cmap="viridis")
+        values = values[order][moving]
+        drawn = axes.scatter(x[moving], y[moving], s=size, c=values, lw=0, cmap="viridis")
         axes.figure.colorbar(drawn, ax=axes, pad=0.01, label=by)
+
+
+def outline(axes: plt.Axes, case: tables.Case, view: list[int]) -> None:
+    """Draw the edges of a tank in three dimensions and of its obstacles."""
+    shape = case.geometry
+    assert isinstance(shape, tables.Tank3D)
+    tank = ((0.0, shape.length), (0.0, shape.width), (0.0, shape.height))
+    boxes = [(obstacle.x, obstacle.y, obstacle.z) for obstacle in case.obstacle]
+    for box in (tank, *boxes):
+        (left, right), (lower, upper) = (box[axis] for axis in view)
+        edges = plt.Rectangle((left, lower), right - left, upper - lower)
+        edges.set(fill=False, edgecolor=COLORS[Kind.WALL], linewidth=1.0)
+        axes.add_patch(edges)
 
 
 @click.command()
@@ -52,7 +76,7 @@ def draw(axes: plt.Axes, path: Path, by: str) -> None:
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--times", required=True, help="Times, s, separated by commas; the nearest frames.")
 @click.option("--by", default="kind", show_default=True, help="kind, speed or a point array.")
-@click.option("--window", help="x0,x1,y0,y1 in m; everything if left out.")
+@click.option("--window", help="x0,x1,y0,y1 in m, of every panel; all if left out.")
 @click.option("--equal/--stretched", default=True, help="Same scale on both axes.")
 @click.option("--height", default=1.7, show_default=True, help="Height of a frame, inches.")
 def main(
@@ -66,29 +90,36 @@ def main(
 ) -> None:
     """Draw frames of RUNS into FILE."""
     wanted = [float(t) for t in times.split(",")]
+    cases = [load_case(run / CASE) for run in runs]
+    views = [ABOVE, SIDE] if any(case.dimension == 3 for case in cases) else [ABOVE]
     figure, grid = plt.subplots(
         len(wanted),
-        len(runs),
+        len(runs) * len(views),
         figsize=(12, height * len(wanted)),
         squeeze=False,
         layout="constrained",
     )
-    for column, run in zip(grid.T, runs, strict=True):
-        frames = read_collection(run / "particles.pvd")
+    of_run = np.split(grid, len(runs), axis=1)
+    for panels, run, case in zip(of_run, runs, cases, strict=True):
+        frames = read_collection(run / FRAMES)
         known = np.array([time for time, _ in frames])
-        for axes, moment in zip(column, wanted, strict=True):
+        for row, moment in zip(panels, wanted, strict=True):
             time, path = frames[int(np.argmin(np.abs(known - moment)))]
-            draw(axes, path, by)
             name = f"{run.name}, " if len(runs) > 1 else ""
-            axes.set_title(f"{name}t = {time:.2f} s", fontsize=9, loc="left", pad=2)
-            axes.set_aspect("equal" if equal else "auto")
-            if window:
-                x0, x1, y0, y1 = (float(v) for v in window.split(","))
-                axes.set_xlim(x0, x1)
-                axes.set_ylim(y0, y1)
-        column[-1].set_xlabel("x (m)")
-    for axes in grid[:, 0]:
-        axes.set_ylabel("y (m)")
+            row[0].set_title(f"{name}t = {time:.2f} s", fontsize=9, loc="left", pad=2)
+            for axes, view in zip(row, views, strict=True):
+                draw(axes, path, by, view)
+                if case.dimension == 3:
+                    outline(axes, case, view)
+                axes.set_aspect("equal" if equal else "auto")
+                if len(views) > 1 or run is runs[0]:
+                    axes.set_ylabel(f"{'xyz'[view[1]]} (m)")
+                if window:
+                    x0, x1, y0, y1 = (float(v) for v in window.split(","))
+                    axes.set_xlim(x0, x1)
+                    axes.set_ylim(y0, y1)
+    for axes in grid[-1]:
+        axes.set_xlabel("x (m)")
     if by == "kind":
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper right", ncols=6, markerscale=3)

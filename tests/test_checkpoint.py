@@ -8,6 +8,7 @@ import pytest
 
 from debrisflow import checkpoint
 from debrisflow.errors import OutputError
+from debrisflow.maxima import Maxima
 from debrisflow.particles import blank
 from debrisflow.state import State
 
@@ -22,9 +23,10 @@ def state():
     particles.pressure[:4] = [np.nan, -0.0, np.inf, 5e-324]
     particles.fluid_count, particles.inflow_count, particles.wall_count = 20, 5, 15
     counts = [np.array([i, i + 1, 2**40]) for i in range(3)]
-    return State(
-        particles, 0.1 + 0.2, 7, 1e-3 / 3, *counts, 11, -1 / 3, 2**40, np.array([[5, -6, 7]])
-    )
+    maxima = Maxima(*rng.uniform(0.0, 9.0, (5, 30)))
+    maxima.arrival_time[::4] = np.nan
+    counters = *counts, 11, -1 / 3, 2**40, np.array([[5, -6, 7]])
+    return State(particles, maxima, 0.1 + 0.2, 7, 1e-3 / 3, *counters)
 
 
 def identical(one, other):
@@ -73,7 +75,7 @@ def test_a_missing_or_damaged_checkpoint_is_told(tmp_path, state):
         checkpoint.load(file)
 
 
-@pytest.mark.parametrize("name", ["entered", "particles/grain_pressure"])
+@pytest.mark.parametrize("name", ["entered", "particles/grain_pressure", "maxima/depth"])
 def test_a_field_that_is_missing_is_no_default(tmp_path, state, name):
     checkpoint.save(tmp_path / "c.h5", state)
     with h5py.File(tmp_path / "c.h5", "a") as file:

@@ -60,7 +60,7 @@ class Pile:
             self.number_density,
             N0,
         )
-        return tuple(float(column[at]) for column in profile[1:])
+        return tuple(float(column[at]) for column in profile[2:])
 
 
 def test_bins_cover_the_length_in_steps_of_two_spacings():

@@ -79,7 +79,7 @@ def rows_of(file):
 
 def written(folder, state, row, times):
     """Write a frame, a deposit profile of two bins and a row of history at each time."""
-    profile = DepositProfile(*np.array([[0.1, 0.3], [0.2, 0.1], [0.3, 0.3], [0.5, np.nan]]))
+    profile = DepositProfile(*np.array([[0.1, 0.3], [0, 0], [0.2, 0.1], [0.3, 0.3], [0.5, np.nan]]))
     for time in times:
         state.time = time
         folder.write_frame(state)

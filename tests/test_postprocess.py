@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 
-from debrisflow.case import Case, load_case
+from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.errors import OutputError
 from debrisflow.lattice import reference
@@ -82,8 +82,8 @@ def test_the_front_moves_with_the_water(run):
     assert all(np.isnan([r["front_sediment"] for r in rows]))
 
 
-def test_the_front_of_a_single_frame_has_no_speed(run):
-    with RunFolder.open(run, load_case(run / "case.toml")) as folder:
+def test_the_front_of_a_single_frame_has_no_speed(run, case):
+    with RunFolder.open(run, case) as folder:
         folder.rewind(0.0)
     postprocess(run)
     (only,) = rows_of(run / "postprocess/front.csv")

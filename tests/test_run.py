@@ -96,6 +96,9 @@ def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, monkeypatch):
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
     simulation.resume(tmp_path / "rest")
     assert identical(ends[0], ends[-1])
+    whole, rest = (tmp_path / run / "maxima.csv" for run in ("whole", "rest"))
+    assert whole.read_bytes() == rest.read_bytes()
+    assert np.nanmax(ends[0].maxima.arrival_time) > stopped.time  # there was more to accumulate
 
 
 @pytest.mark.parametrize("temperature", ["algebraic", "neighborhood"])

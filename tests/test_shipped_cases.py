@@ -10,7 +10,7 @@ import pytest
 import pyvista
 
 from debrisflow.case import case_schema, load_case
-from debrisflow.output import CASE, DEPOSIT, HISTORY, SUMMARY
+from debrisflow.output import CASE, DEPOSIT, HISTORY, MAXIMA, SUMMARY
 from debrisflow.postprocess import postprocess
 from debrisflow.simulation import simulate
 
@@ -46,7 +46,7 @@ def test_a_shipped_case_runs_and_writes_everything(name, tmp_path):
     assert all(np.isfinite(frame[array]).all() for array in ARRAYS)
     assert load_case(folder / CASE) == case
     assert json.loads((folder / SUMMARY).read_text())["end_reason"] == "end of the simulated time"
-    for table in (DEPOSIT, HISTORY):
+    for table in (DEPOSIT, HISTORY, MAXIMA):
         assert (folder / table).stat().st_size > 0
     assert all(path.stat().st_size > 0 for path in postprocess(folder))
 

@@ -387,7 +387,11 @@ class Output(Table):
         "s", "interval of the deposit series; as the particle files if left out", None, gt=0
     )
     history_interval: float | None = quantity(
-        "s", "interval of the history; a tenth of the particle files if left out", None, gt=0
+        "s",
+        "interval of the history and of the samples of the maxima; a tenth of the particle files "
+        "if left out",
+        None,
+        gt=0,
     )
     rest_speed: float = quantity("m/s", "speed below which a deposit is at rest", 0.05, gt=0)
 
