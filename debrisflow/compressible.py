@@ -484,7 +484,7 @@ def survey_motion(position, velocity, lower, upper, fastest, outside):
         most, left = 0.0, 0
         for i in range(block * n // fastest.size, (block + 1) * n // fastest.size):
             square = velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2
-            most = max(most, square if np.isfinite(square) else np.inf)
+            most = max(most, square if square < np.inf else np.inf)
             for k in range(3):
                 left += position[i, k] < lower[k] or position[i, k] > upper[k]
         fastest[block] = most
