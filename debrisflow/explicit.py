@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow import boundary, compressible, geometry
+from debrisflow import agitation, boundary, compressible, geometry, pairs
 from debrisflow.case import tables
 from debrisflow.errors import DivergedError
 from debrisflow.granular import Grains, radial_distribution
@@ -89,7 +89,7 @@ class Explicit:
         assert scheme.sound_speed is not None
         assert scheme.density_relaxation is not None
         dimension = float(lattice.dimension)
-        self._numbers = compressible.Numbers(
+        self._numbers = pairs.Numbers(
             spacing=lattice.spacing,
             effective_radius=lattice.effective_radius,
             dimension=dimension,
@@ -195,17 +195,17 @@ class Explicit:
 
     def _list_neighbors(self, state: State) -> None:
         p, period = state.particles, self.domain.period
+        inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
         position = p.position[p.fluid]
         assert self._near_walls is not None
         self._near.build(position, p.fluid_count)
         self._near_walls.build(position)
-        self._list = compressible.Near(
+        self._list = pairs.Near(
             self._near.index,
             self._near.count,
             self._near_walls.index,
             self._near_walls.count,
-            period,
-            np.divide(1.0, period, out=np.zeros(3), where=period > 0.0),
+            np.stack([period, inverse]) if period.any() else None,
         )
         if self._grain_pressure.size != p.fluid_count:
             self._grain_pressure = np.zeros(p.fluid_count)
@@ -216,7 +216,7 @@ class Explicit:
         p = state.particles
         walls = slice(p.inflow.stop, p.count)
         surface = boundary.wall_surface(p, self.case)
-        self._solid = compressible.Solid(
+        self._solid = pairs.Solid(
             p.position[walls], surface.normal[walls], surface.depth[walls], surface.slip[walls]
         )
         self._near_walls = FixedNeighbors(
@@ -230,7 +230,7 @@ class Explicit:
     def _observe_grains(self, state: State) -> None:
         p = state.particles
         temperature = p.granular_temperature[p.fluid]
-        compressible.stir(
+        agitation.stir(
             self._is_algebraic,
             self._fluid(state),
             self._solid,
@@ -241,7 +241,7 @@ class Explicit:
             temperature,
         )
         self._grain_pressure, self._total_viscosity = np.empty((2, p.fluid_count))
-        compressible.collide_grains(
+        agitation.collide_grains(
             self._concentration,
             self._viscosity,
             self._grains,
@@ -270,14 +270,14 @@ class Explicit:
             p.number_density[rows] < compressible.SURFACE * self.lattice.number_density
         )
 
-    def _fluid(self, state: State) -> compressible.Fluid:
+    def _fluid(self, state: State) -> pairs.Fluid:
         p, rows = state.particles, state.particles.fluid
-        return compressible.Fluid(
+        return pairs.Fluid(
             p.position[rows],
             p.velocity[rows],
             p.compression[rows],
             p.pressure[rows],
-            self._grain_pressure,
+            p.pressure[rows] + self._grain_pressure if self._has_collisions else p.pressure[rows],
             self._total_viscosity,
         )
 

@@ -12,10 +12,15 @@ Floats = NDArray[np.float64]
 SKIN = 0.4
 AXES = (0, 2, 1)  # cells that follow along y follow in memory, in two dimensions and in three
 PIECE = 128
+FINE = 4
 
 
 class Grid:
     """Cells as wide as the list radius or a little wider, over all particles.
+
+    Along y, in which cells follow each other in memory, they are a quarter as wide where the domain
+    does not repeat along it: the particles within reach of a cell then stand in rows that are a
+    fourth shorter.
 
     Attributes
     ----------
@@ -23,6 +28,8 @@ class Grid:
     width : (3,) float64 array, m
     shape : (3,) int64 array
     periodic : (3,) bool array
+    reach : int
+        Cells along y that the radius spans.
     """
 
     def __init__(self, position: Floats, radius: float, period: Floats) -> None:
@@ -32,9 +39,11 @@ class Grid:
         upper = np.array([column.max() for column in columns])
         extent = np.where(self.periodic, period, upper - lower)
         self.lower = np.where(self.periodic, 0.0, lower)
-        self.shape = np.maximum(1, np.floor(extent / radius).astype(np.int64))
+        self.reach = 1 if self.periodic[1] else FINE
+        least = np.array([radius, radius / self.reach, radius])
+        self.shape = np.maximum(1, np.floor(extent / least).astype(np.int64))
         self.width = np.where(
-            self.periodic, extent / self.shape, np.maximum(extent / self.shape, radius)
+            self.periodic, extent / self.shape, np.maximum(extent / self.shape, least)
         )
 
     @property
@@ -101,7 +110,19 @@ def append_near(i, here, sorted_position, order, lower, upper, period, reach2, n
 
 @kernel
 def list_at(
-    i, itself, position, sorted_position, order, start, cell, shape, periodic, period, reach2, index
+    i,
+    itself,
+    position,
+    sorted_position,
+    order,
+    start,
+    cell,
+    shape,
+    reach,
+    periodic,
+    period,
+    reach2,
+    index,
 ):
     """Write the particles within reach of particle i into row i and return how many there are.
 
@@ -128,7 +149,8 @@ def list_at(
                     lower = column + (cy - 1 + b) % shape[1]
                     upper = lower + 1
                 else:
-                    lower, upper = column + max(cy - 1, 0), column + min(cy + 2, shape[1])
+                    lower = column + max(cy - reach, 0)
+                    upper = column + min(cy + reach + 1, shape[1])
                 count = append_near(
                     itself,
                     here,
@@ -157,13 +179,13 @@ def _inverse(period):
 
 @loop
 def _list(
-    among,
     position,
     sorted_position,
     order,
     start,
     cell,
     shape,
+    reach,
     periodic,
     period,
     reach2,
@@ -173,18 +195,77 @@ def _list(
     for i in prange(count.size):
         count[i] = list_at(
             i,
-            i if among else -1,
+            i,
             position,
             sorted_position,
             order,
             start,
             cell,
             shape,
+            reach,
             periodic,
             period,
             reach2,
             index,
         )
+
+
+@loop
+def _list_near_crowds(
+    position,
+    sorted_position,
+    order,
+    start,
+    cell,
+    crowd,
+    shape,
+    reach,
+    periodic,
+    period,
+    reach2,
+    index,
+    count,
+):
+    for i in prange(count.size):
+        count[i] = 0
+        if crowd[cell[i]]:
+            count[i] = list_at(
+                i,
+                -1,
+                position,
+                sorted_position,
+                order,
+                start,
+                cell,
+                shape,
+                reach,
+                periodic,
+                period,
+                reach2,
+                index,
+            )
+
+
+@loop
+def _find_crowds(start, shape, reach, periodic, crowd):
+    """Write which cells have a point in them or in the cells around them."""
+    for cell in prange(crowd.size):
+        cy = cell % shape[1]
+        cz = (cell // shape[1]) % shape[2]
+        cx = cell // (shape[1] * shape[2])
+        points = 0
+        for a in range(cx - 1, cx + 2):
+            for c in range(cz - 1, cz + 2):
+                for b in range(cy - reach, cy + reach + 1):
+                    inside = (
+                        (periodic[0] or 0 <= a < shape[0])
+                        and (periodic[1] or 0 <= b < shape[1])
+                        and (periodic[2] or 0 <= c < shape[2])
+                    )
+                    if inside:
+                        k = ((a % shape[0]) * shape[2] + c % shape[2]) * shape[1] + b % shape[1]
+                        points += start[k + 1] - start[k]
+        crowd[cell] = points > 0
 
 
 @kernel
@@ -230,38 +311,33 @@ class _Sorted:
         _cell_of(position, grid.lower, grid.width, grid.shape, grid.periodic, cell)
         return cell
 
-    def list_near(
-        self,
-        among: bool,
-        position: Floats,
-        cell: NDArray[np.int32],
-        index: NDArray[np.int32],
-        count: NDArray[np.int32],
-    ) -> NDArray[np.int32]:
-        """Write index and count of the points near the first ``count.size`` positions.
+    def lists(self, position: Floats, cell: NDArray[np.int32]) -> tuple[object, ...]:
+        """Return what the kernels that list the points near positions in given cells need."""
+        return position, self.position, self.order, self.start, cell
 
-        Those are the points themselves where ``among`` is true.  Returns the index, a wider one if
-        the rows of the given one were too short.
-        """
-        while True:
-            _list(
-                among,
-                position,
-                self.position,
-                self.order,
-                self.start,
-                cell,
-                self.grid.shape,
-                self.grid.periodic,
-                self.period,
-                self.radius**2,
-                index,
-                count,
-            )
-            most = int(count.max(initial=0))
-            if most < index.shape[1]:
-                return index
-            index = np.zeros((count.size, most + most // 8 + 2), dtype=np.int32)
+    def space(self) -> tuple[object, ...]:
+        """Return shape and period of the cells and the squared radius."""
+        grid = self.grid
+        return grid.shape, grid.reach, grid.periodic, self.period, self.radius**2
+
+
+def _rows(
+    index: NDArray[np.int32], count: NDArray[np.int32], rows: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Return index and count with a number of rows; the same arrays where they have it."""
+    if count.size == rows:
+        return index, count
+    return np.zeros((rows, index.shape[1]), dtype=np.int32), np.zeros(rows, dtype=np.int32)
+
+
+def _overflows(index: NDArray[np.int32], count: NDArray[np.int32]) -> bool:
+    return bool(count.max(initial=0) >= index.shape[1])
+
+
+def _wider(count: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return an index with room for the counts, and some to spare."""
+    most = int(count.max())
+    return np.zeros((count.size, most + most // 8 + 2), dtype=np.int32)
 
 
 class Neighbors:
@@ -301,10 +377,12 @@ class Neighbors:
     def build(self, position: Floats, rows: int) -> None:
         """Build the list of the first ``rows`` particles."""
         points = _Sorted(position, self.radius, self.period)
-        if self.count.size != rows:
-            self.index = np.zeros((rows, self.index.shape[1]), dtype=np.int32)
-            self.count = np.zeros(rows, dtype=np.int32)
-        self.index = points.list_near(True, position, points.cell, self.index, self.count)
+        self.index, self.count = _rows(self.index, self.count, rows)
+        while True:
+            _list(*points.lists(position, points.cell), *points.space(), self.index, self.count)
+            if not _overflows(self.index, self.count):
+                break
+            self.index = _wider(self.count)
         self._reference = position.copy()
 
     def is_stale(self, position: Floats, rows: int) -> bool:
@@ -345,16 +423,22 @@ class FixedNeighbors:
         skin: float = SKIN,
     ) -> None:
         self._points = _Sorted(points, effective_radius + skin * spacing, period)
+        grid = self._points.grid
+        self._crowd = np.empty(grid.cell_count, dtype=np.bool_)
+        _find_crowds(self._points.start, grid.shape, grid.reach, grid.periodic, self._crowd)
         self.index = np.zeros((0, 8), dtype=np.int32)
         self.count = np.zeros(0, dtype=np.int32)
 
     def build(self, position: Floats) -> None:
         """Build the list of all given particles."""
-        if self.count.size != len(position):
-            self.index = np.zeros((len(position), self.index.shape[1]), dtype=np.int32)
-            self.count = np.zeros(len(position), dtype=np.int32)
-        cell = self._points.cells_of(position)
-        self.index = self._points.list_near(False, position, cell, self.index, self.count)
+        points = self._points
+        lists, crowd = points.lists(position, points.cells_of(position)), self._crowd
+        self.index, self.count = _rows(self.index, self.count, len(position))
+        while True:
+            _list_near_crowds(*lists, crowd, *points.space(), self.index, self.count)
+            if not _overflows(self.index, self.count):
+                break
+            self.index = _wider(self.count)
 
 
 def order_by_cell(position: Floats, width: float) -> NDArray[np.int64]:

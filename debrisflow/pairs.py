@@ -1,0 +1,166 @@
+"""Pairs of particles of a weakly compressible fluid: who is near whom, separation and weights.
+
+Letters as in :mod:`debrisflow.operators`; ``s = rho / rho0 - 1`` is the compression, ``c`` the
+speed of sound.  Fluid and walls stand in two lists; walls do not move.  Loops over fluid neighbors
+are free of branches, so that they vectorize: a listed particle beyond the influence radius has the
+weight 0.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow._jit import kernel
+from debrisflow.operators import mirrored
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int32]
+BLOCK = 256
+"""Particles of a task in parallel loops.  A loop over single particles costs half as much again:
+it unpacks the records anew for each."""
+
+
+class Fluid(NamedTuple):
+    """What is known of the fluid particles.
+
+    Attributes
+    ----------
+    position, velocity : (n, 3) float64 array, m, m/s
+    compression : (n,) float64 array
+        s.
+    pressure, total_pressure : (n,) float64 array, Pa
+        Of the mixture, 0 at a free surface; with that of colliding grains.
+    viscosity : (n,) float64 array, m2/s
+        Kinematic, Newtonian and of colliding grains.
+    """
+
+    position: Floats
+    velocity: Floats
+    compression: Floats
+    pressure: Floats
+    total_pressure: Floats
+    viscosity: Floats
+
+
+class Solid(NamedTuple):
+    """What is known of the wall particles.
+
+    Attributes
+    ----------
+    position, normal : (m, 3) float64 array, m
+        The normal points out of the wall.
+    depth : (m,) float64 array, m
+        Distance to the wall's surface.
+    slip : (m,) float64 array
+        1 where the wall is free-slip, 0 where it is no-slip.
+    """
+
+    position: Floats
+    normal: Floats
+    depth: Floats
+    slip: Floats
+
+
+class Near(NamedTuple):
+    """Who is near whom: neighbors of every fluid particle in the fluid and in the walls.
+
+    Attributes
+    ----------
+    fluid, wall : (n, capacity) int32 array
+    fluid_count, wall_count : (n,) int32 array
+    period : (2, 3) float64 array, m, 1/m, or None
+        Period along each axis and its inverse, 0 where there is none; None where nothing repeats,
+        for which kernels are compiled that are a twentieth faster.
+    """
+
+    fluid: Indices
+    fluid_count: Indices
+    wall: Indices
+    wall_count: Indices
+    period: Floats | None
+
+
+class Numbers(NamedTuple):
+    """Constants of the scheme.
+
+    Attributes
+    ----------
+    spacing, effective_radius : float, m
+        d0 and r_e.
+    dimension, number_density : float
+        Ds and n0.
+    gradient, laplacian : float, -, 1/m2
+        ``Ds / n0`` and ``2 Ds / (lambda n0)``.
+    smooth_density, smooth_steepness : float
+        m0 and its growth with the density, see :class:`debrisflow.lattice.Reference`.
+    density, sound_speed : float, kg/m3, m/s
+        rho0 and c.
+    gravity : (3,) float64 array, m/s2
+    diffusion, relaxation : float, -, s
+        delta, and the time in which s follows n.
+    artificial_viscosity : float
+        alpha.
+    collision_distance, restitution : float, m, -
+    """
+
+    spacing: float
+    effective_radius: float
+    dimension: float
+    number_density: float
+    gradient: float
+    laplacian: float
+    smooth_density: float
+    smooth_steepness: float
+    density: float
+    sound_speed: float
+    gravity: Floats
+    diffusion: float
+    relaxation: float
+    artificial_viscosity: float
+    collision_distance: float
+    restitution: float
+
+
+@kernel
+def separation(i, j, position, other, period):
+    """Return the components of ``r_j - r_i`` through the nearest image, m."""
+    dx = other[j, 0] - position[i, 0]
+    dy = other[j, 1] - position[i, 1]
+    dz = other[j, 2] - position[i, 2]
+    if period is not None:
+        dx -= period[0, 0] * np.rint(dx * period[1, 0])
+        dy -= period[0, 1] * np.rint(dy * period[1, 1])
+        dz -= period[0, 2] * np.rint(dz * period[1, 2])
+    return dx, dy, dz
+
+
+@kernel
+def inverse_distance(dx, dy, dz, numbers):
+    """Return ``1 / r``; two particles at one place are taken 1e-6 d0 apart, in no direction."""
+    r2 = dx * dx + dy * dy + dz * dz
+    return 1.0 / np.sqrt(max(r2, 1e-12 * numbers.spacing * numbers.spacing))
+
+
+@kernel
+def weight(inverse, numbers):
+    """Return ``w = r_e / r - 1``, 0 beyond the influence radius."""
+    return max(numbers.effective_radius * inverse - 1.0, 0.0)
+
+
+@kernel
+def smooth_weight(weighed, r2, inverse, numbers):
+    """Return ``(1 - q)^2``, q = r / r_e, from ``w = 1 / q - 1``; see :mod:`debrisflow.lattice`."""
+    rest = weighed * r2 * inverse / numbers.effective_radius
+    return rest * rest
+
+
+@kernel
+def wall_velocity_difference(u, v, w, dx, dy, dz, j, solid, numbers):
+    """Return ``u_j - u_i`` for wall particle j, as :func:`operators.velocity_difference`."""
+    nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
+    height = -(dx * nx + dy * ny + dz * nz) - solid.depth[j]
+    factor = 1.0 + solid.depth[j] / max(height, 0.5 * numbers.spacing)
+    return mirrored(-u, -v, -w, nx, ny, nz, factor, solid.slip[j])
