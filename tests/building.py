@@ -4,7 +4,7 @@ from math import ceil
 
 import numpy as np
 
-from debrisflow import compressible, momentum, operators
+from debrisflow import momentum, operators, pairs
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.lattice import reference
@@ -94,7 +94,7 @@ def no_walls(particles):
 def numbers_of(lattice, **changes):
     """Return the constants of the explicit scheme, of water with c = 20 m/s."""
     n0, dimension = lattice.number_density, float(lattice.dimension)
-    return compressible.Numbers(
+    return pairs.Numbers(
         spacing=lattice.spacing,
         effective_radius=lattice.effective_radius,
         dimension=dimension,
@@ -115,19 +115,22 @@ def numbers_of(lattice, **changes):
 
 
 def fluid_of(position, **known):
-    """Return fluid particles; what is not known of them is 0."""
-    fields = {name: np.zeros(len(position)) for name in compressible.Fluid._fields}
-    at_rest = {"position": position, "velocity": np.zeros_like(position)}
-    return compressible.Fluid(**(fields | at_rest | known))
+    """Return fluid particles at rest; what is not known of them is 0.
+
+    The total pressure is ``pressure`` and ``grain_pressure``, if they are known.
+    """
+    fields = {name: np.zeros(len(position)) for name in pairs.Fluid._fields}
+    fields |= {"position": position, "velocity": np.zeros_like(position)}
+    grains = known.pop("grain_pressure", 0.0)
+    fields["total_pressure"] = known.get("pressure", fields["pressure"]) + grains
+    return pairs.Fluid(**(fields | known))
 
 
 def solid_of(position, normal=(0.0, 0.0, 1.0), depth=0.0, slip=0.0):
     """Return wall particles, all with the same normal, depth and slip unless arrays are given."""
     count = len(position)
     normals = np.array(np.broadcast_to(normal, (count, 3)), dtype=float)
-    return compressible.Solid(
-        position, normals, np.full(count, 1.0) * depth, np.full(count, 1.0) * slip
-    )
+    return pairs.Solid(position, normals, np.full(count, 1.0) * depth, np.full(count, 1.0) * slip)
 
 
 def near_of(fluid, solid, lattice, period=NOWHERE):
@@ -140,8 +143,9 @@ def near_of(fluid, solid, lattice, period=NOWHERE):
         fixed = FixedNeighbors(solid.position, *radius, period)
         fixed.build(fluid.position)
         walls = fixed.index, fixed.count
-    frequency = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
-    return compressible.Near(near.index, near.count, *walls, period, frequency)
+    inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
+    repeat = np.stack([period, inverse]) if period.any() else None
+    return pairs.Near(near.index, near.count, *walls, repeat)
 
 
 def exchange_system(stencil, velocity, density, dt, strength=NO_STRENGTH, **fields):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow import compressible
+from debrisflow import agitation, compressible
 from debrisflow.granular import Grains, algebraic_temperature, granular_pressure
 from debrisflow.lattice import reference
 from tests.building import fluid_of, lattice_block, near_of, numbers_of, random_patch, solid_of
@@ -29,21 +29,21 @@ def sheared(rate, drift=0.0):
     return fluid_of(position, velocity=velocity)
 
 
-def agitation(fluid, i=MIDDLE):
-    return compressible.agitation_at(i, fluid, near_of(fluid, NO_WALLS, LATTICE), NUMBERS)
+def variance(fluid, i=MIDDLE):
+    return agitation.agitation_at(i, fluid, near_of(fluid, NO_WALLS, LATTICE), NUMBERS)
 
 
 def test_uniform_motion_has_no_agitation(rng):
     position = random_patch(3, 200, rng, length=6.0)
     fluid = fluid_of(position, velocity=np.tile([3.7, -1.3, 0.4], (200, 1)))
-    assert all(agitation(fluid, i) == 0.0 for i in range(200))
+    assert all(variance(fluid, i) == 0.0 for i in range(200))
 
 
 def test_uniform_shear_looks_like_agitation():
     fluid = sheared(4.0, drift=50.0)
     z = fluid.position[:, 2] - fluid.position[MIDDLE, 2]
     near = np.linalg.norm(fluid.position - fluid.position[MIDDLE], axis=1) < 2.4
-    found = agitation(fluid)
+    found = variance(fluid)
     # velocities of 50 m/s are subtracted from each other
     assert found == pytest.approx(4.0**2 * np.mean(z[near] ** 2) / 3.0, rel=1e-12)
     # of a ball; the 57 points have 198 d0^2 in sum of r^2, 0.5 % more than a ball
@@ -56,12 +56,12 @@ def test_agitation_is_the_variance_of_those_in_reach(rng):
     for i in range(0, 300, 20):
         near = np.linalg.norm(position - position[i], axis=1) < 2.4
         expected = np.var(velocity[near], axis=0).sum() / 3.0
-        assert agitation(fluid, i) == pytest.approx(expected, rel=1e-12)
+        assert variance(fluid, i) == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_pressure_of_agitated_grains_stays_below_a_share_of_that_of_sound():
     def capped(temperature):
-        return compressible.capped_temperature(temperature, 0.5, GRAINS, NUMBERS)
+        return agitation.capped_temperature(temperature, 0.5, GRAINS, NUMBERS)
 
     most = capped(1e9)
     # K sqrt(3 T) = 0.1 rho0 c: at the cap a fluctuation pushes a tenth as hard as sound does
@@ -69,7 +69,7 @@ def test_the_pressure_of_agitated_grains_stays_below_a_share_of_that_of_sound():
     assert pushed * np.sqrt(3.0 * most) == pytest.approx(0.1 * 1000.0 * 20.0, rel=1e-13)
     assert capped(1.001 * most) == most
     assert capped(0.999 * most) == 0.999 * most
-    assert compressible.capped_temperature(1e9, 0.4, GRAINS, NUMBERS) > most
+    assert agitation.capped_temperature(1e9, 0.4, GRAINS, NUMBERS) > most
 
 
 @pytest.mark.parametrize("is_algebraic", [True, False])
@@ -77,8 +77,8 @@ def test_the_study_and_the_algebraic_law_stir_a_shear(is_algebraic):
     fluid, temperature = sheared(0.5), np.empty(9**3)
     near = near_of(fluid, NO_WALLS, LATTICE)
     grains = GRAINS._replace(diameter=0.01)
-    compressible.stir(is_algebraic, fluid, NO_WALLS, near, 0.1, grains, NUMBERS, temperature)
-    expected = algebraic_temperature(0.5, grains) if is_algebraic else agitation(fluid)
+    agitation.stir(is_algebraic, fluid, NO_WALLS, near, 0.1, grains, NUMBERS, temperature)
+    expected = algebraic_temperature(0.5, grains) if is_algebraic else variance(fluid)
     # at the surface too the shear of a linear profile is exact
     rows = slice(None) if is_algebraic else MIDDLE
     np.testing.assert_allclose(temperature[rows], expected, rtol=1e-12)
@@ -89,7 +89,7 @@ def collided_grains(c, temperature, n, grains=GRAINS, viscosity=0.02):
     n = np.asarray(n, dtype=float) * LATTICE.number_density
     pressure, total = np.empty((2, n.size))
     temperatures = np.full(n.size, temperature)
-    compressible.collide_grains(c, viscosity, grains, NUMBERS, n, temperatures, pressure, total)
+    agitation.collide_grains(c, viscosity, grains, NUMBERS, n, temperatures, pressure, total)
     return pressure, total
 
 
@@ -122,7 +122,7 @@ def after_collision(position, velocity, restitution):
     fluid = fluid_of(np.array(position), velocity=np.array(velocity))
     near, numbers = near_of(fluid, NO_WALLS, LATTICE), NUMBERS._replace(restitution=restitution)
     hits = [
-        compressible.acceleration_at(i, fluid, NO_WALLS, near, numbers)[3:]
+        compressible.acceleration_at(i, fluid, NO_WALLS, near, numbers)[3:6]
         for i in range(len(position))
     ]
     return fluid.velocity + hits
@@ -203,12 +203,12 @@ def test_particles_at_one_place_have_no_direction_and_no_end(rng):
     near = near_of(fluid, solid, LATTICE)
     for function in (
         compressible.density_rate_at,
-        compressible.shear_rate_at,
+        agitation.shear_rate_at,
         compressible.acceleration_at,
     ):
         for i in (3, 7, 40):
             assert np.all(np.isfinite(function(i, fluid, solid, near, NUMBERS)))
-    _, _, _, *hits = compressible.acceleration_at(3, fluid, solid, near, NUMBERS)
+    hits = compressible.acceleration_at(3, fluid, solid, near, NUMBERS)[3:6]
     assert np.linalg.norm(hits) < 100.0  # they are not thrown apart
 
 
