@@ -13,6 +13,7 @@ from debrisflow.granular import algebraic_temperature, granular_pressure, granul
 from debrisflow.operators import strain_rate
 from debrisflow.pairs import (
     BLOCK,
+    height_over,
     inverse_distance,
     separation,
     wall_velocity_difference,
@@ -48,7 +49,8 @@ def shear_rate_at(i, fluid, solid, near, numbers):
         dx, dy, dz = separation(i, j, position, solid.position, near.period)
         inverse = inverse_distance(dx, dy, dz, numbers)
         f = weight(inverse, numbers) * inverse * inverse
-        du, dv, dw = wall_velocity_difference(u, v, w, dx, dy, dz, j, solid, numbers)
+        height = height_over(dx, dy, dz, j, solid)
+        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, numbers)
         xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
         xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
         ux, uy, uz = ux + f * du * dx, uy + f * du * dy, uz + f * du * dz

@@ -12,6 +12,7 @@ from debrisflow._jit import kernel, loop
 from debrisflow.operators import face_towards
 from debrisflow.pairs import (
     BLOCK,
+    height_over,
     inverse_distance,
     separation,
     smooth_weight,
@@ -21,6 +22,9 @@ from debrisflow.pairs import (
 
 INTERIOR = 0.94  # n/n0 above which the density follows the particle number density
 SURFACE = 0.85  # n/n0 below which a particle is at a free surface and carries no pressure
+CONTACT_HEIGHT = (
+    0.45  # spacings over a wall below which contacts are looked for; the first row is at 0.5
+)
 LEAST_COMPRESSION, GREATEST_COMPRESSION = -0.02, 0.5
 
 
@@ -116,7 +120,9 @@ def advance_density(dt, fluid, solid, near, numbers, n, compression, pressure):
 
 @kernel
 def acceleration_at(i, fluid, solid, near, numbers):
-    """Return the acceleration of particle i, m/s2, and the change of its velocity by collisions.
+    """Return acceleration, m/s2, change of velocity by collisions, m/s, and contacts of particle i.
+
+    Contacts are the first-layer wall particles that it may touch.
 
         -(1/rho0) (Ds/n0) sum of (P_i + P_j) r_ij w / r^2
         + (2 Ds/(lambda n0)) sum of [alpha c d0 (u_ij . e) e + nu_ij u_ij] w + g
@@ -154,6 +160,7 @@ def acceleration_at(i, fluid, solid, near, numbers):
         cy += hit * dy
         cz += hit * dz
     gx, gy, gz = numbers.gravity[0], numbers.gravity[1], numbers.gravity[2]
+    contacts = 0.0
     for k in range(near.wall_count[i]):
         j = np.uint32(near.wall[i, k])
         dx, dy, dz = separation(i, j, position, solid.position, near.period)
@@ -162,13 +169,32 @@ def acceleration_at(i, fluid, solid, near, numbers):
         p_wall = max(fluid.pressure[i] + rho * (gx * dx + gy * dy + gz * dz), 0.0)
         p = p_i + p_wall + fluid.total_pressure[i] - fluid.pressure[i]
         line = -push * p / rho * weighed * inverse * inverse
-        du, dv, dw = wall_velocity_difference(u, v, w, dx, dy, dz, j, solid, numbers)
+        height = height_over(dx, dy, dz, j, solid)
+        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, numbers)
         drag = pull * nu_i * weighed * (1.0 - solid.slip[j])
+        contacts += solid.in_first_layer[j] if height < CONTACT_HEIGHT * numbers.spacing else 0.0
         ax += line * dx + drag * du
         ay += line * dy + drag * dv
         az += line * dz + drag * dw
     share = 0.5 * (1.0 + numbers.restitution)
-    return ax + gx, ay + gy, az + gz, share * cx, share * cy, share * cz
+    return ax + gx, ay + gy, az + gz, share * cx, share * cy, share * cz, contacts
+
+
+@kernel
+def contact(dx, dy, dz, j, solid, numbers):
+    """Return height over and normal of the surface that first-layer wall particle j stands for.
+
+    Infinite if the surface is not below; that of a mesh is the plane at the particle, up to a
+    spacing aside, since the particles stand on the lattice and not along the surface.
+    """
+    nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
+    if not solid.on_mesh[j]:
+        return face_towards(dx, dy, dz, nx, ny, nz, numbers.spacing)
+    above = -(dx * nx + dy * ny + dz * nz)
+    aside2 = dx * dx + dy * dy + dz * dz - above * above
+    if above <= 0.0 or aside2 > numbers.spacing * numbers.spacing:
+        return np.inf, 0.0, 0.0, 0.0
+    return above - solid.depth[j], nx, ny, nz
 
 
 @kernel
@@ -181,18 +207,10 @@ def bounce_at(i, u, v, w, fluid, solid, near, numbers):
     reach = numbers.collision_distance - 0.5 * numbers.spacing
     for k in range(near.wall_count[i]):
         j = near.wall[i, k]
-        if solid.depth[j] > 0.75 * numbers.spacing:
+        if solid.in_first_layer[j] == 0.0:
             continue
         dx, dy, dz = separation(i, j, fluid.position, solid.position, near.period)
-        height, nx, ny, nz = face_towards(
-            dx,
-            dy,
-            dz,
-            solid.normal[j, 0],
-            solid.normal[j, 1],
-            solid.normal[j, 2],
-            numbers.spacing,
-        )
+        height, nx, ny, nz = contact(dx, dy, dz, j, solid, numbers)
         if height >= reach:
             continue
         approach = -(u * nx + v * ny + w * nz)
@@ -225,11 +243,12 @@ def find_inside_walls(position, solid, near, numbers, inside):
 @kernel
 def _advance_velocity(first, last, dt, fluid, solid, near, numbers, velocity):
     for i in range(first, last):
-        ax, ay, az, cx, cy, cz = acceleration_at(i, fluid, solid, near, numbers)
+        ax, ay, az, cx, cy, cz, contacts = acceleration_at(i, fluid, solid, near, numbers)
         u = fluid.velocity[i, 0] + dt * ax + cx
         v = fluid.velocity[i, 1] + dt * ay + cy
         w = fluid.velocity[i, 2] + dt * az + cz
-        u, v, w = bounce_at(i, u, v, w, fluid, solid, near, numbers)
+        if contacts > 0.0:
+            u, v, w = bounce_at(i, u, v, w, fluid, solid, near, numbers)
         velocity[i, 0] = u
         velocity[i, 1] = v
         velocity[i, 2] = w

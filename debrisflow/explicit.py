@@ -16,6 +16,7 @@ from debrisflow.granular import Grains, radial_distribution
 from debrisflow.lattice import reference
 from debrisflow.measures import gravity_vector
 from debrisflow.neighbors import FixedNeighbors, Neighbors, order_by_cell
+from debrisflow.particles import Kind
 from debrisflow.state import State
 
 Floats = NDArray[np.float64]
@@ -216,8 +217,15 @@ class Explicit:
         p = state.particles
         walls = slice(p.inflow.stop, p.count)
         surface = boundary.wall_surface(p, self.case)
+        is_mesh = [part.type == "mesh" for part in self.case.obstacle]
+        is_mesh = [False] * len(geometry.WALL_NAMES) + is_mesh
         self._solid = pairs.Solid(
-            p.position[walls], surface.normal[walls], surface.depth[walls], surface.slip[walls]
+            p.position[walls],
+            surface.normal[walls],
+            surface.depth[walls],
+            surface.slip[walls],
+            (p.kind[walls] == Kind.WALL).astype(float),
+            np.array(is_mesh)[p.wall[walls]],
         )
         self._near_walls = FixedNeighbors(
             p.position[walls],

@@ -56,12 +56,18 @@ class Solid(NamedTuple):
         Distance to the wall's surface.
     slip : (m,) float64 array
         1 where the wall is free-slip, 0 where it is no-slip.
+    in_first_layer : (m,) float64 array
+        1 where the particle is next to the surface, else 0.
+    on_mesh : (m,) bool array
+        Whether the surface is that of a mesh, of any direction, not along the axes.
     """
 
     position: Floats
     normal: Floats
     depth: Floats
     slip: Floats
+    in_first_layer: Floats
+    on_mesh: NDArray[np.bool_]
 
 
 class Near(NamedTuple):
@@ -158,9 +164,15 @@ def smooth_weight(weighed, r2, inverse, numbers):
 
 
 @kernel
-def wall_velocity_difference(u, v, w, dx, dy, dz, j, solid, numbers):
+def height_over(dx, dy, dz, j, solid):
+    """Return the height over the surface at wall particle j, m, from the separation to it."""
+    normal = solid.normal
+    return -(dx * normal[j, 0] + dy * normal[j, 1] + dz * normal[j, 2]) - solid.depth[j]
+
+
+@kernel
+def wall_velocity_difference(u, v, w, height, j, solid, numbers):
     """Return ``u_j - u_i`` for wall particle j, as :func:`operators.velocity_difference`."""
     nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
-    height = -(dx * nx + dy * ny + dz * nz) - solid.depth[j]
     factor = 1.0 + solid.depth[j] / max(height, 0.5 * numbers.spacing)
     return mirrored(-u, -v, -w, nx, ny, nz, factor, solid.slip[j])

@@ -16,6 +16,8 @@ import numpy as np
 import pyvista
 
 from debrisflow.case import load_case, tables
+from debrisflow.case.bodies import BoxObstacle
+from debrisflow.case.regions import surface_of
 from debrisflow.output import CASE, FRAMES
 from debrisflow.particles import Kind
 from debrisflow.vtu import read_collection
@@ -59,11 +61,18 @@ def draw(axes: plt.Axes, path: Path, by: str, view: list[int]) -> None:
 
 
 def outline(axes: plt.Axes, case: tables.Case, view: list[int]) -> None:
-    """Draw the edges of a tank in three dimensions and of its obstacles."""
+    """Draw the edges of a tank in three dimensions, of its boxes and of its meshes' triangles."""
     shape = case.geometry
     assert isinstance(shape, tables.Tank3D)
     tank = ((0.0, shape.length), (0.0, shape.width), (0.0, shape.height))
-    boxes = [(obstacle.x, obstacle.y, obstacle.z) for obstacle in case.obstacle]
+    boxes = []
+    for obstacle in case.obstacle:
+        if isinstance(obstacle, BoxObstacle):
+            boxes.append((obstacle.x, obstacle.y, obstacle.z))
+            continue
+        for corners in surface_of(obstacle).corners:
+            triangle = corners[[0, 1, 2, 0]][:, view]
+            axes.plot(*triangle.T, color=COLORS[Kind.WALL], linewidth=0.3)
     for box in (tank, *boxes):
         (left, right), (lower, upper) = (box[axis] for axis in view)
         edges = plt.Rectangle((left, lower), right - left, upper - lower)
