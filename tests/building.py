@@ -126,11 +126,13 @@ def fluid_of(position, **known):
     return pairs.Fluid(**(fields | known))
 
 
-def solid_of(position, normal=(0.0, 0.0, 1.0), depth=0.0, slip=0.0):
-    """Return wall particles, all with the same normal, depth and slip unless arrays are given."""
+def solid_of(position, normal=(0.0, 0.0, 1.0), depth=0.0, slip=0.0, layers=1.0, on_mesh=False):
+    """Return wall particles that are all alike but for what is given as an array."""
     count = len(position)
     normals = np.array(np.broadcast_to(normal, (count, 3)), dtype=float)
-    return pairs.Solid(position, normals, np.full(count, 1.0) * depth, np.full(count, 1.0) * slip)
+    depths, slips, layers = (np.full(count, 1.0) * value for value in (depth, slip, layers))
+    is_first = (layers == 1.0).astype(float)
+    return pairs.Solid(position, normals, depths, slips, is_first, np.full(count, on_mesh))
 
 
 def near_of(fluid, solid, lattice, period=NOWHERE):

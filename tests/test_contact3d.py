@@ -6,7 +6,16 @@ import pytest
 from debrisflow import agitation, compressible
 from debrisflow.granular import Grains, algebraic_temperature, granular_pressure
 from debrisflow.lattice import reference
-from tests.building import fluid_of, lattice_block, near_of, numbers_of, random_patch, solid_of
+from tests.building import (
+    fluid_of,
+    lattice_block,
+    near_of,
+    numbers_of,
+    random_patch,
+    solid_of,
+    started,
+    tank3d_case,
+)
 
 LATTICE = reference(3, 2.4, 1.0)
 NUMBERS = numbers_of(LATTICE)
@@ -145,9 +154,9 @@ def test_two_particles_part_with_their_restitution(restitution):
     assert np.array_equal(after_collision(1.15 * position, velocity, restitution), velocity)
 
 
-def bounced(height, velocity, normal=(0.0, 0.0, 1.0), aside=(0.0, 0.0), depth=0.5):
+def bounced(height, velocity, normal=(0.0, 0.0, 1.0), aside=(0.0, 0.0), layers=1.0):
     """Return a velocity after the bounce off one wall particle, from a height over its face."""
-    solid = solid_of(np.array([[0.0, 0.0, -0.5]]), normal, depth)
+    solid = solid_of(np.array([[0.0, 0.0, -0.5]]), normal, 0.5, layers=layers)
     fluid = fluid_of(np.array([[*aside, height]]))
     near = near_of(fluid, solid, LATTICE)
     return compressible.bounce_at(0, *velocity, fluid, solid, near, NUMBERS)
@@ -159,7 +168,7 @@ def test_a_wall_throws_back_what_comes_near_and_lets_it_slide():
     for free in (
         bounced(0.31, [1.0, 3.0, -2.0]),  # out of reach
         bounced(0.2, [1.0, 3.0, -2.0], aside=(0.51, 0.0)),  # over the next wall particle
-        bounced(0.2, [1.0, 3.0, -2.0], depth=1.5),  # of the second layer
+        bounced(0.2, [1.0, 3.0, -2.0], layers=2.0),
     ):
         assert free == (1.0, 3.0, -2.0)
     assert bounced(0.1, [1.0, 3.0, 2.0]) == (1.0, 3.0, 2.0)  # receding
@@ -168,7 +177,7 @@ def test_a_wall_throws_back_what_comes_near_and_lets_it_slide():
 @pytest.mark.parametrize("aside", [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.45, -0.4)])
 def test_a_floor_of_many_particles_throws_back_once_everywhere(aside):
     floor = lattice_block(3, (7, 7, 3)) - [3.5, 3.5, 3.0]
-    solid = solid_of(floor, depth=-floor[:, 2])
+    solid = solid_of(floor, depth=-floor[:, 2], layers=0.5 - floor[:, 2])
     fluid = fluid_of(np.array([[*aside, 0.2]]))
     near = near_of(fluid, solid, LATTICE)
     found = compressible.bounce_at(0, 1.0, 3.0, -2.0, fluid, solid, near, NUMBERS)
@@ -187,6 +196,44 @@ def test_at_the_edge_or_corner_of_a_box_the_face_that_looks_at_the_particle_coun
         found = compressible.bounce_at(0, *velocity, fluid, solid, near, NUMBERS)
         approach = -velocity @ outward
         np.testing.assert_allclose(found, velocity + 1.2 * approach * outward, rtol=1e-14)
+
+
+@pytest.mark.parametrize("depth", [0.1, 0.6, 1.2])
+def test_the_face_of_a_mesh_is_the_plane_at_its_depth(depth):
+    normal = np.array([0.6, 0.0, 0.8])
+    solid = solid_of(np.zeros((1, 3)), normal, depth, on_mesh=True)
+
+    def found(height, aside, velocity):
+        fluid = fluid_of(np.array([(depth + height) * normal + [-0.8 * aside, 0.0, 0.6 * aside]]))
+        near = near_of(fluid, solid, LATTICE)
+        return compressible.bounce_at(0, *velocity, fluid, solid, near, NUMBERS)
+
+    velocity = -2.0 * normal + [0.8, 1.0, -0.6]  # the rest is along the plane
+    for aside in (0.0, -0.9, 0.9):
+        after = found(REACH - 0.01, aside, velocity)
+        np.testing.assert_allclose(after, velocity + 1.2 * 2.0 * normal, rtol=1e-14)
+    for free in (found(REACH + 0.01, 0.0, velocity), found(0.1, 1.01, velocity)):
+        np.testing.assert_array_equal(free, velocity)
+
+
+@pytest.mark.parametrize("distance", [0.8, 1.0])
+def test_whatever_bounces_has_been_found_in_contact(rng, distance):
+    # a step looks for bounces of those only whose sum of forces has met a wall that near
+    box = {"type": "box", "name": "box", "x": [0.3, 0.5], "y": [0.2, 0.4], "z": [0.0, 0.3]}
+    scheme, state = started(tank3d_case(obstacle=[box], fill=[], scheme={"sound_speed": 20.0}))
+    scheme._set_walls(state)
+    solid, lattice = scheme._solid, scheme.lattice
+    numbers = scheme._numbers._replace(collision_distance=distance * lattice.spacing)
+    fluid = fluid_of(rng.uniform(-0.02, [0.82, 0.62, 0.4], (4000, 3)))
+    near, bounces = near_of(fluid, solid, lattice), 0
+    for i in range(len(fluid.position)):
+        *_, contacts = compressible.acceleration_at(i, fluid, solid, near, numbers)
+        for velocity in np.concatenate([np.eye(3), -np.eye(3)]):
+            after = compressible.bounce_at(i, *velocity, fluid, solid, near, numbers)
+            if not np.array_equal(after, velocity):
+                bounces += 1
+                assert contacts > 0.0, fluid.position[i]
+    assert bounces > 500
 
 
 def test_particles_at_one_place_have_no_direction_and_no_end(rng):
