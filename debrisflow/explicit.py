@@ -20,7 +20,7 @@ from debrisflow.particles import Kind
 from debrisflow.state import State
 
 Floats = NDArray[np.float64]
-SKIN = 0.2  # spacings; particles move by a hundredth or two of a spacing in a step
+LEAST_SKIN, GREATEST_SKIN = 0.15, 0.6  # spacings
 PATH = 0.2  # greatest path of a particle in a step, in spacings
 VISCOUS_LIMIT = 0.2  # of the step, in d0^2 / nu
 BLOCKS = 16
@@ -59,7 +59,7 @@ class Explicit:
         self._set_material(case)
         self._set_numbers(case)
         self._near = Neighbors(
-            self.lattice.effective_radius, self.lattice.spacing, self.domain.period, SKIN
+            self.lattice.effective_radius, self.lattice.spacing, self.domain.period
         )
         self._near_walls: FixedNeighbors | None = None
         self._grain_pressure = self._total_viscosity = np.zeros(0)
@@ -183,6 +183,7 @@ class Explicit:
         if state.step % self.REFRESH == 0:
             p.reorder_fluid(order_by_cell(p.position[p.fluid], self.lattice.spacing))
             p.concentration[p.fluid] = p.sediment_fraction[p.fluid]
+            self._choose_skin(state)
             self._list_neighbors(state)
             lost = np.empty(p.fluid_count, dtype=np.bool_)
             compressible.find_inside_walls(
@@ -193,6 +194,21 @@ class Explicit:
                 self._list_neighbors(state)
         elif self._near.is_stale(p.position[p.fluid], p.fluid_count):
             self._list_neighbors(state)
+
+    def _choose_skin(self, state: State) -> None:
+        """Weigh building lists often against passing over many neighbors out of reach.
+
+        A wide skin costs the sums some (r_e + skin)^2 a spacing, a list lasts for skin / (2 m)
+        steps where the fastest particle moves by m spacings in one: the least of both lies at
+        1.4 sqrt(m).
+        """
+        assert self.case.time.largest_step is not None
+        assert self._near_walls is not None
+        speed, _ = self._survey(state, state.particles.velocity)
+        path = speed * self.case.time.largest_step / self.lattice.spacing
+        skin = min(max(1.4 * np.sqrt(path), LEAST_SKIN), GREATEST_SKIN)
+        self._near.set_skin(skin)
+        self._near_walls.set_skin(skin)
 
     def _list_neighbors(self, state: State) -> None:
         p, period = state.particles, self.domain.period
@@ -232,7 +248,7 @@ class Explicit:
             self.lattice.effective_radius,
             self.lattice.spacing,
             self.domain.period,
-            SKIN,
+            GREATEST_SKIN,
         )
 
     def _observe_grains(self, state: State) -> None:

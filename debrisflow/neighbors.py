@@ -367,12 +367,17 @@ class Neighbors:
     def __init__(
         self, effective_radius: float, spacing: float, period: Floats, skin: float = SKIN
     ) -> None:
-        self.radius = effective_radius + skin * spacing
-        self.skin = skin * spacing
+        self._effective_radius, self._spacing = effective_radius, spacing
         self.period = period
         self.index = np.zeros((0, 8), dtype=np.int32)
         self.count = np.zeros(0, dtype=np.int32)
         self._reference = np.zeros((0, 3))
+        self.set_skin(skin)
+
+    def set_skin(self, skin: float) -> None:
+        """Choose the skin of the lists that are built from now on, in spacings."""
+        self.skin = skin * self._spacing
+        self.radius = self._effective_radius + self.skin
 
     def build(self, position: Floats, rows: int) -> None:
         """Build the list of the first ``rows`` particles."""
@@ -404,7 +409,7 @@ class FixedNeighbors:
     points : (m, 3) float64 array, m
         At least one.
     effective_radius, spacing, period, skin
-        As for :class:`Neighbors`.
+        As for :class:`Neighbors`; the skin is the greatest that will be set.
 
     Examples
     --------
@@ -422,12 +427,17 @@ class FixedNeighbors:
         period: Floats,
         skin: float = SKIN,
     ) -> None:
+        self._effective_radius, self._spacing = effective_radius, spacing
         self._points = _Sorted(points, effective_radius + skin * spacing, period)
         grid = self._points.grid
         self._crowd = np.empty(grid.cell_count, dtype=np.bool_)
         _find_crowds(self._points.start, grid.shape, grid.reach, grid.periodic, self._crowd)
         self.index = np.zeros((0, 8), dtype=np.int32)
         self.count = np.zeros(0, dtype=np.int32)
+
+    def set_skin(self, skin: float) -> None:
+        """Choose the skin of the lists that are built from now on, in spacings."""
+        self._points.radius = self._effective_radius + skin * self._spacing
 
     def build(self, position: Floats) -> None:
         """Build the list of all given particles."""
