@@ -131,8 +131,8 @@ def solid_of(position, normal=(0.0, 0.0, 1.0), depth=0.0, slip=0.0, layers=1.0, 
     count = len(position)
     normals = np.array(np.broadcast_to(normal, (count, 3)), dtype=float)
     depths, slips, layers = (np.full(count, 1.0) * value for value in (depth, slip, layers))
-    is_first = (layers == 1.0).astype(float)
-    return pairs.Solid(position, normals, depths, slips, is_first, np.full(count, on_mesh))
+    looked_for = np.where(layers == 1.0, np.inf, -np.inf)  # contacts, at any height
+    return pairs.Solid(position, normals, depths, slips, looked_for, np.full(count, on_mesh))
 
 
 def near_of(fluid, solid, lattice, period=NOWHERE):

@@ -220,11 +220,13 @@ def test_the_face_of_a_mesh_is_the_plane_at_its_depth(depth):
 def test_whatever_bounces_has_been_found_in_contact(rng, distance):
     # a step looks for bounces of those only whose sum of forces has met a wall that near
     box = {"type": "box", "name": "box", "x": [0.3, 0.5], "y": [0.2, 0.4], "z": [0.0, 0.3]}
-    scheme, state = started(tank3d_case(obstacle=[box], fill=[], scheme={"sound_speed": 20.0}))
+    numbers = {"sound_speed": 20.0, "collision_distance": distance}
+    scheme, state = started(tank3d_case(obstacle=[box], fill=[], scheme=numbers))
     scheme._set_walls(state)
-    solid, lattice = scheme._solid, scheme.lattice
-    numbers = scheme._numbers._replace(collision_distance=distance * lattice.spacing)
-    fluid = fluid_of(rng.uniform(-0.02, [0.82, 0.62, 0.4], (4000, 3)))
+    solid, lattice, numbers = scheme._solid, scheme.lattice, scheme._numbers
+    anywhere = rng.uniform(-0.02, [0.82, 0.62, 0.4], (4000, 3))
+    at_a_corner = rng.uniform([0.25, 0.15, 0.25], [0.35, 0.25, 0.35], (1000, 3))
+    fluid = fluid_of(np.concatenate([anywhere, at_a_corner]))
     near, bounces = near_of(fluid, solid, lattice), 0
     for i in range(len(fluid.position)):
         *_, contacts = compressible.acceleration_at(i, fluid, solid, near, numbers)
