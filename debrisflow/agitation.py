@@ -45,7 +45,7 @@ def shear_rate_at(i, fluid, solid, near, numbers):
         vx, vy, vz = vx + f * dv * dx, vy + f * dv * dy, vz + f * dv * dz
         wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
     for k in range(near.wall_count[i]):
-        j = np.uint32(near.wall[i, k])
+        j = np.uint32(near.wall[near.wall_row[i], k])
         dx, dy, dz = separation(i, j, position, solid.position, near.period)
         inverse = inverse_distance(dx, dy, dz, numbers)
         f = weight(inverse, numbers) * inverse * inverse

@@ -58,7 +58,7 @@ def density_rate_at(i, fluid, solid, near, numbers):
         flow += along * weighed * inverse * inverse
         difference += (s[j] - s_i - gx * dx - gy * dy - gz * dz) * weighed
     for k in range(near.wall_count[i]):
-        j = np.uint32(near.wall[i, k])
+        j = np.uint32(near.wall[near.wall_row[i], k])
         dx, dy, dz = separation(i, j, position, solid.position, near.period)
         inverse = inverse_distance(dx, dy, dz, numbers)
         weighed = weight(inverse, numbers)
@@ -159,7 +159,7 @@ def acceleration_at(i, fluid, solid, near, numbers):
     gx, gy, gz = numbers.gravity[0], numbers.gravity[1], numbers.gravity[2]
     contacts = 0.0
     for k in range(near.wall_count[i]):
-        j = np.uint32(near.wall[i, k])
+        j = np.uint32(near.wall[near.wall_row[i], k])
         dx, dy, dz = separation(i, j, position, solid.position, near.period)
         inverse = inverse_distance(dx, dy, dz, numbers)
         weighed = weight(inverse, numbers)
@@ -203,7 +203,7 @@ def bounce_at(i, u, v, w, fluid, solid, near, numbers):
     """
     reach = numbers.collision_distance - 0.5 * numbers.spacing
     for k in range(near.wall_count[i]):
-        j = near.wall[i, k]
+        j = near.wall[near.wall_row[i], k]
         if solid.contact_height[j] == -np.inf:
             continue
         dx, dy, dz = separation(i, j, fluid.position, solid.position, near.period)
@@ -222,7 +222,7 @@ def bounce_at(i, u, v, w, fluid, solid, near, numbers):
 def is_inside_wall_at(i, position, solid, near, numbers):
     """Return whether particle i is where a wall particle of the second layer or deeper stands."""
     for k in range(near.wall_count[i]):
-        j = near.wall[i, k]
+        j = near.wall[near.wall_row[i], k]
         if solid.depth[j] > numbers.spacing:
             dx, dy, dz = separation(i, j, position, solid.position, near.period)
             if max(abs(dx), abs(dy), abs(dz)) < 0.5 * numbers.spacing:

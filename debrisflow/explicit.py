@@ -222,6 +222,7 @@ class Explicit:
             self._near.index,
             self._near.count,
             self._near_walls.index,
+            self._near_walls.row,
             self._near_walls.count,
             np.stack([period, inverse]) if period.any() else None,
         )

@@ -122,12 +122,12 @@ def list_at(
     periodic,
     period,
     reach2,
-    index,
+    listed,
 ):
-    """Write the particles within reach of particle i into row i and return how many there are.
+    """Write the particles within reach of particle i into a list and return how many there are.
 
-    The particle ``itself`` is left out.  A number greater than the row's length less one says that
-    the list overflowed.
+    The particle ``itself`` is left out.  A number greater than the length less one says that the
+    list overflowed.
     """
     count = 0
     near = np.empty(PIECE, dtype=np.int8)
@@ -161,7 +161,7 @@ def list_at(
                     lengths,
                     reach2,
                     near,
-                    index[i],
+                    listed,
                     count,
                 )
     return count
@@ -206,7 +206,7 @@ def _list(
             periodic,
             period,
             reach2,
-            index,
+            index[i],
         )
 
 
@@ -217,7 +217,7 @@ def _list_near_crowds(
     order,
     start,
     cell,
-    crowd,
+    row,
     shape,
     reach,
     periodic,
@@ -228,7 +228,7 @@ def _list_near_crowds(
 ):
     for i in prange(count.size):
         count[i] = 0
-        if crowd[cell[i]]:
+        if row[i] >= 0:
             count[i] = list_at(
                 i,
                 -1,
@@ -242,7 +242,7 @@ def _list_near_crowds(
                 periodic,
                 period,
                 reach2,
-                index,
+                index[row[i]],
             )
 
 
@@ -321,25 +321,6 @@ class _Sorted:
         return grid.shape, grid.reach, grid.periodic, self.period, self.radius**2
 
 
-def _rows(
-    index: NDArray[np.int32], count: NDArray[np.int32], rows: int
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Return index and count with a number of rows; the same arrays where they have it."""
-    if count.size == rows:
-        return index, count
-    return np.zeros((rows, index.shape[1]), dtype=np.int32), np.zeros(rows, dtype=np.int32)
-
-
-def _overflows(index: NDArray[np.int32], count: NDArray[np.int32]) -> bool:
-    return bool(count.max(initial=0) >= index.shape[1])
-
-
-def _wider(count: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return an index with room for the counts, and some to spare."""
-    most = int(count.max())
-    return np.zeros((count.size, most + most // 8 + 2), dtype=np.int32)
-
-
 class Neighbors:
     """Neighbors of the first ``rows`` particles, within the influence radius and a skin.
 
@@ -382,12 +363,15 @@ class Neighbors:
     def build(self, position: Floats, rows: int) -> None:
         """Build the list of the first ``rows`` particles."""
         points = _Sorted(position, self.radius, self.period)
-        self.index, self.count = _rows(self.index, self.count, rows)
+        if self.count.size != rows:
+            self.index = np.zeros((rows, self.index.shape[1]), dtype=np.int32)
+            self.count = np.zeros(rows, dtype=np.int32)
         while True:
             _list(*points.lists(position, points.cell), *points.space(), self.index, self.count)
-            if not _overflows(self.index, self.count):
+            most = int(self.count.max(initial=0))
+            if most < self.index.shape[1]:
                 break
-            self.index = _wider(self.count)
+            self.index = np.zeros((rows, most + most // 8 + 2), dtype=np.int32)
         self._reference = position.copy()
 
     def is_stale(self, position: Floats, rows: int) -> bool:
@@ -402,7 +386,9 @@ class Neighbors:
 class FixedNeighbors:
     """Neighbors of moving particles among points that stay, which are sorted once.
 
-    A list is exact as long as the :class:`Neighbors` of the moving particles with the same skin.
+    The neighbors of particle i stand in ``index[row[i], :count[i]]``; what is far from all points
+    has no row, -1.  A list is exact as long as the :class:`Neighbors` of the moving particles with
+    the same skin.
 
     Parameters
     ----------
@@ -433,6 +419,7 @@ class FixedNeighbors:
         self._crowd = np.empty(grid.cell_count, dtype=np.bool_)
         _find_crowds(self._points.start, grid.shape, grid.reach, grid.periodic, self._crowd)
         self.index = np.zeros((0, 8), dtype=np.int32)
+        self.row = np.zeros(0, dtype=np.int32)
         self.count = np.zeros(0, dtype=np.int32)
 
     def set_skin(self, skin: float) -> None:
@@ -441,14 +428,21 @@ class FixedNeighbors:
 
     def build(self, position: Floats) -> None:
         """Build the list of all given particles."""
-        points = self._points
-        lists, crowd = points.lists(position, points.cells_of(position)), self._crowd
-        self.index, self.count = _rows(self.index, self.count, len(position))
+        points, width = self._points, self.index.shape[1]
+        cell = points.cells_of(position)
+        has_row = self._crowd[cell]
+        rows = int(np.count_nonzero(has_row))
+        self.row = np.where(has_row, np.cumsum(has_row) - 1, -1).astype(np.int32)
+        if self.index.shape[0] < rows:
+            self.index = np.zeros((rows, width), dtype=np.int32)
+        self.count = np.zeros(len(position), dtype=np.int32)
+        lists, space = points.lists(position, cell), points.space()
         while True:
-            _list_near_crowds(*lists, crowd, *points.space(), self.index, self.count)
-            if not _overflows(self.index, self.count):
+            _list_near_crowds(*lists, self.row, *space, self.index, self.count)
+            most = int(self.count.max(initial=0))
+            if most < self.index.shape[1]:
                 break
-            self.index = _wider(self.count)
+            self.index = np.zeros((rows, most + most // 8 + 2), dtype=np.int32)
 
 
 def order_by_cell(position: Floats, width: float) -> NDArray[np.int64]:

@@ -75,7 +75,9 @@ class Near(NamedTuple):
 
     Attributes
     ----------
-    fluid, wall : (n, capacity) int32 array
+    fluid, wall : (n or less, capacity) int32 array
+    wall_row : (n,) int32 array
+        Row of ``wall`` that holds the neighbors of a particle.
     fluid_count, wall_count : (n,) int32 array
     period : (2, 3) float64 array, m, 1/m, or None
         Period along each axis and its inverse, 0 where there is none; None where nothing repeats,
@@ -85,6 +87,7 @@ class Near(NamedTuple):
     fluid: Indices
     fluid_count: Indices
     wall: Indices
+    wall_row: Indices
     wall_count: Indices
     period: Floats | None
 

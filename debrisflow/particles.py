@@ -62,9 +62,11 @@ class Particles:
         Local volumetric sediment concentration C.
     granular_temperature : (n,) float64 array, m2/s2
     relative_velocity : (n, 3) float64 array, m/s
-        Velocity of the sediment relative to the water around the particle.
+        Velocity of the sediment relative to the water around the particle; without rows where
+        the case has no drag.
     owed_displacement : (n, 3) float64 array, m
-        What the particle's own path is ahead of its place, see :mod:`debrisflow.slip`.
+        What the particle's own path is ahead of its place, see :mod:`debrisflow.slip`; without
+        rows where the case has no drag.
     grain_pressure : (n,) float64 array, Pa
         Effective pressure between the grains of the bed.
     compression : (n,) float64 array
@@ -123,9 +125,13 @@ class Particles:
         return slice(self.fluid_count, self.fluid_count + self.inflow_count)
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return the arrays of the record by name."""
+        """Return the arrays of the record that have a row for every particle, by name."""
         named = {f.name: getattr(self, f.name) for f in fields(self)}
-        return {name: value for name, value in named.items() if isinstance(value, np.ndarray)}
+        return {
+            name: value
+            for name, value in named.items()
+            if isinstance(value, np.ndarray) and len(value) == self.count
+        }
 
     def take(self, rows: NDArray[np.int64]) -> None:
         """Keep the given rows in the given order; the caller keeps the group sizes right."""
@@ -225,6 +231,8 @@ def seed(case: tables.Case) -> Particles:
     solid = _walls(case)
     wall_count = int(np.count_nonzero(solid.kind == Kind.WALL))
     particles = solid
+    if case.drag.law == "none":
+        particles.relative_velocity = particles.owed_displacement = np.zeros((0, 3))
     for group in reversed(groups):
         particles.insert(0, group)
     particles.id = np.arange(particles.count)
@@ -286,7 +294,7 @@ def _first_columns(case: tables.Case) -> list[Particles]:
 
 def _placed(position: Floats) -> Particles:
     particles = blank(position.shape[0])
-    particles.position[:] = position
+    particles.position = position
     return particles
 
 
@@ -341,6 +349,7 @@ def _evenly_mixed(position: Floats, share: float, rng: np.random.Generator) -> N
 def _walls(case: tables.Case) -> Particles:
     points = geometry.walls(case)
     order = np.argsort(points.layer > 1, kind="stable")
+    points = geometry.WallPoints._make(field[order] for field in points)
     particles = _placed(points.position)
     particles.kind[:] = np.where(points.layer == 1, Kind.WALL, Kind.DUMMY)
     particles.density[:] = case.water.density
@@ -349,5 +358,4 @@ def _walls(case: tables.Case) -> Particles:
     particles.wall_depth[:] = points.depth
     for index, name in enumerate(geometry.WALL_NAMES):
         particles.velocity[points.name == index, :2] = getattr(case.walls, name).velocity
-    particles.take(order)
     return particles

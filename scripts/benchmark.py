@@ -1,11 +1,12 @@
-"""Measure the wall time of a whole step of a two-dimensional dam break.
+"""Measure the wall time of a whole step of a dam break.
 
     python scripts/benchmark.py [NAME ...] [--threads 1,2] [--json]
 
-Names: dam2d_2k, dam2d_20k (the default), dam2d_100k, dam2d_200k, sweep (all of them), and
-dam2d_20k_late (the same column from t = 0.3 s).  A step includes everything that a run does between
-two outputs: neighbor lists, sorting, the set-up of the multigrid hierarchy and all terms.  Kernels
-are compiled before the clock starts.
+Names: dam2d_2k, dam2d_20k (the default), dam2d_100k, dam2d_200k, sweep (all of them),
+dam2d_20k_late (the same column from t = 0.3 s), and in three dimensions dam3d_50k, dam3d_50k_wide
+(influence radius 2.4 instead of 2.1 spacings) and dam3d_300k.  A step includes everything that a
+run does between two outputs: neighbor lists, sorting, the set-up of the multigrid hierarchy and all
+terms.  Kernels are compiled before the clock starts.
 """
 
 from __future__ import annotations
@@ -21,10 +22,11 @@ import click
 from debrisflow._jit import set_threads
 from debrisflow.case import tables
 from debrisflow.case.defaults import complete
+from debrisflow.explicit import Explicit
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import State, initial_state
 
-STEPS = 12
+STEPS = {2: 12, 3: 80}
 LATE = 0.3
 SPACING = {
     "dam2d_2k": 0.0158,
@@ -33,6 +35,7 @@ SPACING = {
     "dam2d_200k": 0.00158,
 }
 SWEEP = tuple(SPACING)
+IN_THREE = {"dam3d_50k": (0.01, 2.1), "dam3d_50k_wide": (0.01, 2.4), "dam3d_300k": (0.0055, 2.1)}
 
 
 def dam_break(spacing: float) -> tables.Case:
@@ -50,7 +53,37 @@ def dam_break(spacing: float) -> tables.Case:
     )
 
 
-def take_steps(scheme: SemiImplicit, state: State, count: int) -> None:
+def dam_break_in_three(spacing: float, radius: float) -> tables.Case:
+    """Return a column of about 0.5 x 0.5 x 0.2 m in a tank of 1.6 x 0.8 x 0.4 m."""
+    sides = (0.5, 0.5, 0.2, 1.6, 0.8, 0.4)
+    long, wide, high, *tank = (round(side / spacing) * spacing for side in sides)
+    block = {"type": "block", "x": (0.0, long), "y": (0.0, wide), "z": (0.0, high)}
+    return complete(
+        tables.Case(
+            title="dam break",
+            particles={"spacing": spacing, "effective_radius": radius},
+            geometry=dict(zip(("length", "width", "height"), tank, strict=True))
+            | {"type": "tank3d"},
+            fill=[block | {"material": "water"}],
+            time={"end": 1.0},
+            output={"interval": 0.1},
+        )
+    )
+
+
+def case_of(name: str) -> tables.Case:
+    """Return the case of a benchmark."""
+    if name in IN_THREE:
+        return dam_break_in_three(*IN_THREE[name])
+    return dam_break(SPACING[name.removesuffix("_late")])
+
+
+def scheme_of(case: tables.Case) -> SemiImplicit | Explicit:
+    """Return a fresh scheme for a case."""
+    return Explicit(case) if case.dimension == 3 else SemiImplicit(case)
+
+
+def take_steps(scheme: SemiImplicit | Explicit, state: State, count: int) -> None:
     """Take steps of the greatest stable length."""
     for _ in range(count):
         dt = scheme.stable_dt(state)
@@ -63,18 +96,17 @@ def measure(name: str, threads: int, repeats: int) -> dict[str, object]:
     """Return seconds per step, its split and the size of one benchmark; the median of repeats."""
     set_threads(threads)
     late = name.endswith("_late")
-    case = dam_break(SPACING[name.removesuffix("_late")])
-    warm = SemiImplicit(case)
+    case = case_of(name)
+    warm = scheme_of(case)
     take_steps(warm, initial_state(case), 2)
     samples, split = [], Counter[str]()
-    steps = 2 * SemiImplicit.REFRESH if late else STEPS
-    state = initial_state(case)
-    scheme = SemiImplicit(case)
+    steps = 2 * warm.REFRESH if late else STEPS[case.dimension]
+    state, scheme = initial_state(case), scheme_of(case)
     while late and state.time < LATE:
-        take_steps(scheme, state, SemiImplicit.REFRESH)
+        take_steps(scheme, state, scheme.REFRESH)
     for _ in range(repeats):
         if not late:
-            state, scheme = initial_state(case), SemiImplicit(case)
+            state, scheme = initial_state(case), scheme_of(case)
         scheme.seconds.clear()
         start = perf_counter()
         take_steps(scheme, state, steps)
@@ -111,7 +143,7 @@ def main(names: tuple[str, ...], threads: str, repeats: int, as_json: bool) -> N
     wanted = [
         n for name in names or ("dam2d_20k",) for n in (SWEEP if name == "sweep" else (name,))
     ]
-    known = {*SPACING, *(f"{name}_late" for name in SPACING)}
+    known = {*SPACING, *(f"{name}_late" for name in SPACING), *IN_THREE}
     if unknown := set(wanted) - known:
         raise click.UsageError(f"unknown: {', '.join(unknown)}; known: {', '.join(sorted(known))}")
     results: dict[str, dict[str, dict[str, object]]] = {}

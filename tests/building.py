@@ -140,11 +140,11 @@ def near_of(fluid, solid, lattice, period=NOWHERE):
     count, radius = len(fluid.position), (lattice.effective_radius, lattice.spacing)
     near = Neighbors(*radius, period)
     near.build(fluid.position, count)
-    walls = np.zeros((count, 1), dtype=np.int32), np.zeros(count, dtype=np.int32)
+    walls = np.zeros((0, 8), dtype=np.int32), *np.zeros((2, count), dtype=np.int32)
     if len(solid.position):
         fixed = FixedNeighbors(solid.position, *radius, period)
         fixed.build(fluid.position)
-        walls = fixed.index, fixed.count
+        walls = fixed.index, fixed.row, fixed.count
     inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
     repeat = np.stack([period, inverse]) if period.any() else None
     return pairs.Near(near.index, near.count, *walls, repeat)
