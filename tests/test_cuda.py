@@ -84,7 +84,7 @@ def test_sums_over_neighbors_compile_for_a_gpu(kinds, function, results):
     code, result = compiled_for_gpu(function, *kinds[:4])
     assert result == (types.float64 if results == 1 else types.UniTuple(types.float64, results))
     assert "sqrt.rn.f64" in code
-    assert ("rint" in code or "cvt.rni.f64" in code) == (kinds[2].types[4] is not types.none)
+    assert ("rint" in code or "cvt.rni.f64" in code) == (kinds[2].types[-1] is not types.none)
 
 
 def test_agitation_contact_and_walls_compile_for_a_gpu(kinds):
