@@ -56,7 +56,8 @@ THREADING_LAYER = _threading_layer()
 numba.config.CACHE_DIR = str(CACHE_DIRECTORY)
 numba.config.THREADING_LAYER = THREADING_LAYER
 
-# Sums may be reassociated, the same way on every run; NaN stays detectable.
+# Sums may be reassociated, the same way on every run; NaN stays detectable by comparisons, not by
+# np.isfinite, which these flags make true.
 _MATH = {"reassoc", "contract", "arcp", "nsz"}
 
 kernel = numba.njit(cache=True, error_model="numpy", fastmath=_MATH)

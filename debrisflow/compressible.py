@@ -22,9 +22,6 @@ from debrisflow.pairs import (
 
 INTERIOR = 0.94  # n/n0 above which the density follows the particle number density
 SURFACE = 0.85  # n/n0 below which a particle is at a free surface and carries no pressure
-CONTACT_HEIGHT = (
-    0.45  # spacings over a wall below which contacts are looked for; the first row is at 0.5
-)
 LEAST_COMPRESSION, GREATEST_COMPRESSION = -0.02, 0.5
 
 
@@ -172,7 +169,7 @@ def acceleration_at(i, fluid, solid, near, numbers):
         height = height_over(dx, dy, dz, j, solid)
         du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, numbers)
         drag = pull * nu_i * weighed * (1.0 - solid.slip[j])
-        contacts += solid.in_first_layer[j] if height < CONTACT_HEIGHT * numbers.spacing else 0.0
+        contacts += 1.0 if height < solid.contact_height[j] else 0.0
         ax += line * dx + drag * du
         ay += line * dy + drag * dv
         az += line * dz + drag * dw
@@ -207,7 +204,7 @@ def bounce_at(i, u, v, w, fluid, solid, near, numbers):
     reach = numbers.collision_distance - 0.5 * numbers.spacing
     for k in range(near.wall_count[i]):
         j = near.wall[near.wall_row[i], k]
-        if solid.in_first_layer[j] == 0.0:
+        if solid.contact_height[j] == -np.inf:
             continue
         dx, dy, dz = separation(i, j, fluid.position, solid.position, near.period)
         height, nx, ny, nz = contact(dx, dy, dz, j, solid, numbers)
@@ -281,7 +278,7 @@ def survey_motion(position, velocity, lower, upper, fastest, outside):
         most, left = 0.0, 0
         for i in range(block * n // fastest.size, (block + 1) * n // fastest.size):
             square = velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2
-            most = max(most, square if np.isfinite(square) else np.inf)
+            most = max(most, square if square < np.inf else np.inf)
             for k in range(3):
                 left += position[i, k] < lower[k] or position[i, k] > upper[k]
         fastest[block] = most

@@ -16,6 +16,7 @@ from debrisflow.granular import Grains, radial_distribution
 from debrisflow.lattice import reference
 from debrisflow.measures import gravity_vector
 from debrisflow.neighbors import FixedNeighbors, Neighbors, order_by_cell
+from debrisflow.operators import WallSurface
 from debrisflow.particles import Kind
 from debrisflow.state import State
 
@@ -236,13 +237,16 @@ class Explicit:
         surface = boundary.wall_surface(p, self.case)
         is_mesh = [part.type == "mesh" for part in self.case.obstacle]
         is_mesh = [False] * len(geometry.WALL_NAMES) + is_mesh
+        on_mesh = np.array(is_mesh)[p.wall[walls]]
+        reach = self._numbers.collision_distance - 0.5 * self.lattice.spacing
+        contact = np.where(on_mesh, reach, self._contact_height(surface, reach)[walls])
         self._solid = pairs.Solid(
             p.position[walls],
             surface.normal[walls],
             surface.depth[walls],
             surface.slip[walls],
-            (p.kind[walls] == Kind.WALL).astype(float),
-            np.array(is_mesh)[p.wall[walls]],
+            np.where(p.kind[walls] == Kind.WALL, contact, -np.inf),
+            on_mesh,
         )
         self._near_walls = FixedNeighbors(
             p.position[walls],
@@ -251,6 +255,17 @@ class Explicit:
             self.domain.period,
             GREATEST_SKIN,
         )
+
+    def _contact_height(self, surface: WallSurface, reach: float) -> Floats:
+        """Return the height over a cell of wall, along its normal, at which contact begins, m.
+
+        It is the reach over a face; at an edge or corner, whose normal halves the angle, that of
+        the point over the rim of the cell, in reach of one of its faces, that is highest.
+        """
+        slanted = np.abs(surface.normal)
+        rim = 0.501 * self.lattice.spacing * slanted.sum(axis=1) - surface.depth
+        highest: Floats = rim + reach * slanted.max(axis=1)
+        return highest
 
     def _observe_grains(self, state: State) -> None:
         p = state.particles

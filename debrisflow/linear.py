@@ -158,7 +158,7 @@ def stabilized_biconjugate_gradients(system, h, use_multigrid, tolerance, most, 
         _precondition(system, h, use_multigrid, rest, z, old, room)
         multiply(system, z, t)
         omega = _inner(t, rest, partial) / _inner(t, t, partial)
-        if not np.isfinite(omega):
+        if not abs(omega) < np.inf:
             return -1
         _add(x, omega, z)
         _add(rest, -omega, t)

@@ -247,7 +247,8 @@ def face_towards(dx, dy, dz, nx, ny, nz, d0):
     """Return height over and normal of the face of a first-layer wall particle at a separation.
 
     Infinite if the wall particle is not under the particle that looks at it: it answers for the d0
-    of surface in front of it.  At an edge of two axis-parallel faces its normal (nx, ny, nz) halves
+    of surface in front of it, in three dimensions for its square, so that no corner between four
+    wall particles is open.  At an edge of two axis-parallel faces its normal (nx, ny, nz) halves
     their angle, and the face that looks at the particle counts.
 
     Examples
@@ -261,8 +262,8 @@ def face_towards(dx, dy, dz, nx, ny, nz, d0):
         ny = -np.sign(dy) if ay > ax and ay >= az else 0.0
         nz = -np.sign(dz) if az > ax and az > ay else 0.0
     above = -(dx * nx + dy * ny + dz * nz)
-    aside2 = dx * dx + dy * dy + dz * dz - above * above
-    if above <= 0.0 or aside2 > 0.2501 * d0 * d0:
+    aside = max(abs(dx + above * nx), abs(dy + above * ny), abs(dz + above * nz))
+    if above <= 0.0 or aside > 0.5001 * d0:
         return np.inf, 0.0, 0.0, 0.0
     return above - 0.5 * d0, nx, ny, nz
 

@@ -56,8 +56,8 @@ class Solid(NamedTuple):
         Distance to the wall's surface.
     slip : (m,) float64 array
         1 where the wall is free-slip, 0 where it is no-slip.
-    in_first_layer : (m,) float64 array
-        1 where the particle is next to the surface, else 0.
+    contact_height : (m,) float64 array, m
+        Height over the surface below which contacts are looked for; -inf under the first layer.
     on_mesh : (m,) bool array
         Whether the surface is that of a mesh, of any direction, not along the axes.
     """
@@ -66,7 +66,7 @@ class Solid(NamedTuple):
     normal: Floats
     depth: Floats
     slip: Floats
-    in_first_layer: Floats
+    contact_height: Floats
     on_mesh: NDArray[np.bool_]
 
 

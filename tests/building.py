@@ -4,14 +4,14 @@ from math import ceil
 
 import numpy as np
 
-from debrisflow import momentum, operators
+from debrisflow import momentum, operators, pairs
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.lattice import reference
-from debrisflow.neighbors import Neighbors
+from debrisflow.neighbors import FixedNeighbors, Neighbors
 from debrisflow.particles import blank
 from debrisflow.rheology import DragLaw, Strength
-from debrisflow.schemes import SemiImplicit
+from debrisflow.simulation import SCHEMES
 from debrisflow.state import initial_state
 from debrisflow.system import empty_system
 
@@ -61,9 +61,10 @@ def center_of_block(dimension, radius, spacing=1.0):
     return position, stencil_of(position, reference(dimension, radius, spacing)), len(position) // 2
 
 
-def separations(position, period=NOWHERE):
-    """Return ``r_j - r_i`` of every pair, through the nearest image."""
-    between = position[None, :, :] - position[:, None, :]
+def separations(position, period=NOWHERE, others=None):
+    """Return ``r_j - r_i`` of every pair, or from all to all others, through the nearest image."""
+    others = position if others is None else others
+    between = others[None, :, :] - position[:, None, :]
     repeat = np.where(period > 0.0, period, 1.0)
     return between - np.where(period > 0.0, repeat * np.rint(between / repeat), 0.0)
 
@@ -88,6 +89,65 @@ def no_walls(particles):
     return operators.WallSurface(
         rest.wall_normal, rest.wall_depth, np.zeros(particles), np.zeros(particles)
     )
+
+
+def numbers_of(lattice, **changes):
+    """Return the constants of the explicit scheme, of water with c = 20 m/s."""
+    n0, dimension = lattice.number_density, float(lattice.dimension)
+    return pairs.Numbers(
+        spacing=lattice.spacing,
+        effective_radius=lattice.effective_radius,
+        dimension=dimension,
+        number_density=n0,
+        gradient=dimension / n0,
+        laplacian=2.0 * dimension / (lattice.laplacian_lambda * n0),
+        smooth_density=lattice.smooth_density,
+        smooth_steepness=lattice.smooth_steepness,
+        density=1000.0,
+        sound_speed=20.0,
+        gravity=np.array([1.0, 2.0, -9.0]),
+        diffusion=0.1,
+        relaxation=0.1,
+        artificial_viscosity=0.05,
+        collision_distance=0.8 * lattice.spacing,
+        restitution=0.2,
+    )._replace(**changes)
+
+
+def fluid_of(position, **known):
+    """Return fluid particles at rest; what is not known of them is 0.
+
+    The total pressure is ``pressure`` and ``grain_pressure``, if they are known.
+    """
+    fields = {name: np.zeros(len(position)) for name in pairs.Fluid._fields}
+    fields |= {"position": position, "velocity": np.zeros_like(position)}
+    grains = known.pop("grain_pressure", 0.0)
+    fields["total_pressure"] = known.get("pressure", fields["pressure"]) + grains
+    return pairs.Fluid(**(fields | known))
+
+
+def solid_of(position, normal=(0.0, 0.0, 1.0), depth=0.0, slip=0.0, layers=1.0, on_mesh=False):
+    """Return wall particles that are all alike but for what is given as an array."""
+    count = len(position)
+    normals = np.array(np.broadcast_to(normal, (count, 3)), dtype=float)
+    depths, slips, layers = (np.full(count, 1.0) * value for value in (depth, slip, layers))
+    looked_for = np.where(layers == 1.0, np.inf, -np.inf)  # contacts, at any height
+    return pairs.Solid(position, normals, depths, slips, looked_for, np.full(count, on_mesh))
+
+
+def near_of(fluid, solid, lattice, period=NOWHERE):
+    """Return who is near whom."""
+    count, radius = len(fluid.position), (lattice.effective_radius, lattice.spacing)
+    near = Neighbors(*radius, period)
+    near.build(fluid.position, count)
+    walls = np.zeros((0, 8), dtype=np.int32), *np.zeros((2, count), dtype=np.int32)
+    if len(solid.position):
+        fixed = FixedNeighbors(solid.position, *radius, period)
+        fixed.build(fluid.position)
+        walls = fixed.index, fixed.row, fixed.count
+    inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
+    repeat = np.stack([period, inverse]) if period.any() else None
+    return pairs.Near(near.index, near.count, *walls, repeat)
 
 
 def exchange_system(stencil, velocity, density, dt, strength=NO_STRENGTH, **fields):
@@ -207,7 +267,7 @@ def bed_case(spacing=0.02, **tables):
 
 def started(case):
     """Return scheme and state of a case before its first step."""
-    return SemiImplicit(case), initial_state(case)
+    return SCHEMES[case.scheme.type](case), initial_state(case)
 
 
 def advance(scheme, state, steps=None, until=None):

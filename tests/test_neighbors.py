@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from debrisflow.lattice import reference
-from debrisflow.neighbors import SKIN, Neighbors, order_by_cell
+from debrisflow.neighbors import SKIN, FixedNeighbors, Neighbors, order_by_cell
 from tests.building import (
     NOWHERE,
     lattice_block,
@@ -183,6 +183,22 @@ def test_neighbors_that_carry_a_pressure_stand_first(rng):
         assert np.all(stencil.neighbors[i, unknown:count] >= rows)
     listed = times_listed(stencil.neighbors, stencil.neighbor_count, 400)
     assert np.array_equal(listed, within(position, RADIUS)[:rows])
+
+
+@pytest.mark.parametrize(("dimension", "period"), PERIODS)
+@pytest.mark.parametrize("side", [0.3, 1.0])
+def test_the_list_among_fixed_points_holds_all_pairs_in_reach(rng, dimension, period, side):
+    # the points fill a part of the space, so that some particles are far from all of them
+    points, reach = random_patch(dimension, 200, rng, side * LENGTH), RADIUS + SKIN * SPACING
+    fixed = FixedNeighbors(points, RADIUS, SPACING, period)
+    for count in (0, 1, 400, 150):  # the same lists for more particles and for fewer
+        position = random_patch(dimension, count, rng, LENGTH)
+        fixed.build(position)
+        distance = np.linalg.norm(separations(position, period, points), axis=2)
+        for i in range(count):
+            listed = fixed.index[fixed.row[i], : fixed.count[i]]
+            assert sorted(listed) == np.flatnonzero(distance[i] < reach).tolist()
+        assert np.all(fixed.count[fixed.row < 0] == 0)
 
 
 def test_order_by_cell_is_a_permutation_that_joins_cells(rng):

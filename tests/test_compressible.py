@@ -1,0 +1,372 @@
+"""The sums of the explicit scheme against all pairs, on the lattice, and what they conserve."""
+
+import numpy as np
+import pytest
+
+from debrisflow import agitation, compressible, lattice, operators, pairs
+from debrisflow.lattice import reference
+from tests.building import (
+    NOWHERE,
+    RADII,
+    fluid_of,
+    lattice_block,
+    near_of,
+    numbers_of,
+    random_patch,
+    separations,
+    solid_of,
+    stencil_of,
+)
+
+SPACING = 0.5
+LATTICE = reference(3, 2.4, SPACING)
+LENGTH = 9.0 * SPACING  # a little more than three radii of the list, the least for a period
+PERIODS = [NOWHERE, np.array([0.0, LENGTH, 0.0])]
+NO_WALLS = solid_of(np.zeros((0, 3)))
+
+# One rounding of each of some 50 terms, relative to the greatest.
+EXACT = 1e-12
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(17)
+
+
+@pytest.fixture(params=PERIODS, ids=["open", "periodic"])
+def period(request):
+    return request.param
+
+
+@pytest.fixture
+def fluid(rng):
+    """Return 300 particles anywhere, of which each value is random."""
+    scalar = {
+        "compression": rng.uniform(-0.01, 0.05, 300),
+        "pressure": rng.uniform(0.0, 5e3, 300),
+        "grain_pressure": rng.uniform(0.0, 1e3, 300),
+        "viscosity": rng.uniform(0.0, 0.1, 300),
+    }
+    return fluid_of(
+        random_patch(3, 300, rng, LENGTH), velocity=rng.normal(0.0, 0.5, (300, 3)), **scalar
+    )
+
+
+@pytest.fixture
+def solid(rng):
+    """Return 150 wall particles anywhere, with normals in all directions, some free-slip."""
+    normal = rng.normal(size=(150, 3))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    depth, slip = rng.uniform(0.0, 3.0, 150) * SPACING, rng.choice([0.0, 1.0], 150)
+    return solid_of(random_patch(3, 150, rng, LENGTH), normal, depth, slip)
+
+
+@pytest.fixture
+def block():
+    """Return the points of a lattice around the origin, of which the middle one has all near it."""
+    position = lattice_block(3, 9, SPACING)
+    return position - position[len(position) // 2]
+
+
+def rows(function, fluid, solid, period=NOWHERE, **changes):
+    """Return what a function of one particle returns for each, (n, k) float64 array."""
+    near, numbers = near_of(fluid, solid, LATTICE, period), numbers_of(LATTICE, **changes)
+    found = [function(i, fluid, solid, near, numbers) for i in range(len(fluid.position))]
+    return np.array(found)
+
+
+def middle_row(function, fluid, solid=NO_WALLS, **changes):
+    """Return what a function of one particle returns for the one nearest to the origin."""
+    near, numbers = near_of(fluid, solid, LATTICE), numbers_of(LATTICE, **changes)
+    i = int(np.argmin(np.linalg.norm(fluid.position, axis=1)))
+    return np.array(function(i, fluid, solid, near, numbers))
+
+
+def all_pairs(fluid, solid, period):
+    """Return separation, distance and weight of all pairs in the fluid and with the walls."""
+    found = []
+    for others in (fluid.position, solid.position):
+        r = separations(fluid.position, period, others)
+        distance = np.linalg.norm(r, axis=2)
+        distance[distance == 0.0] = np.inf  # itself
+        found.append((r, distance, np.maximum(LATTICE.effective_radius / distance - 1.0, 0.0)))
+    return found
+
+
+def assert_alike(found, expected):
+    """Assert that values are equal but for rounding relative to the greatest of them."""
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=EXACT * np.abs(expected).max())
+
+
+def balance(parts):
+    """Return the sum of vectors relative to the sum of their magnitudes."""
+    return np.abs(parts.sum(axis=0)).max() / np.abs(parts).sum()
+
+
+def test_densities_and_continuity_are_the_sums_over_all_pairs(fluid, solid, period):
+    found = rows(compressible.density_rate_at, fluid, solid, period)
+    numbers = numbers_of(LATTICE)
+    (r, d, w), (r_wall, d_wall, w_wall) = all_pairs(fluid, solid, period)
+    n, m = w.sum(axis=1) + w_wall.sum(axis=1), 1.0
+    for distance in (d, d_wall):
+        q = np.minimum(distance / LATTICE.effective_radius, 1.0)
+        m += lattice.smooth_weight(q).sum(axis=1)
+    u, s = fluid.velocity, fluid.compression
+    u_ij = u[None] - u[:, None]
+    flow = (np.sum(u_ij * r, axis=2) * w / d**2).sum(axis=1)
+    flow -= np.einsum("ik,ijk,ij->i", u, r_wall, w_wall / d_wall**2)
+    buoyant = s[None] - s[:, None] - r @ numbers.gravity / 20.0**2
+    diffusion = 0.1 * 20.0 * SPACING * numbers.laplacian * (buoyant * w).sum(axis=1)
+    assert_alike(found[:, 0], n / LATTICE.number_density)
+    assert_alike(found[:, 1], (m / LATTICE.smooth_density - 1.0) / LATTICE.smooth_steepness)
+    assert_alike(found[:, 2], -(1.0 + s) * 3.0 / LATTICE.number_density * flow + diffusion)
+
+
+def test_the_density_of_the_lattice_is_its_reference(block):
+    n, summed, rate = middle_row(compressible.density_rate_at, fluid_of(block))
+    assert n == pytest.approx(1.0, rel=EXACT)
+    np.testing.assert_allclose([summed, rate], 0.0, atol=EXACT)
+
+
+@pytest.mark.parametrize("s", [0.0, 0.03])
+def test_a_uniform_expansion_thins_the_fluid_by_its_divergence(block, s):
+    # sum of u_ij . r_ij w / r^2 = a n0 for u = a r
+    fluid = fluid_of(block, velocity=0.7 * block, compression=np.full(len(block), s))
+    _, _, rate = middle_row(compressible.density_rate_at, fluid)
+    assert rate == pytest.approx(-(1.0 + s) * 3.0 * 0.7, rel=EXACT)
+
+
+def test_a_rigid_rotation_does_not_change_the_density(fluid):
+    turning = fluid._replace(velocity=np.cross([0.3, -2.0, 1.0], fluid.position))
+    found = rows(compressible.density_rate_at, turning, NO_WALLS, diffusion=0.0)[:, 2]
+    # u_ij . r_ij w / r^2 of one pair is of order |u_ij| / d0
+    np.testing.assert_allclose(found, 0.0, atol=1e-11)
+
+
+def test_a_hydrostatic_compression_does_not_diffuse(fluid):
+    gravity = numbers_of(LATTICE).gravity
+    still = fluid_of(fluid.position, compression=0.02 + fluid.position @ gravity / 20.0**2)
+    np.testing.assert_allclose(
+        rows(compressible.density_rate_at, still, NO_WALLS)[:, 2],
+        0.0,
+        atol=EXACT * np.abs(rows(compressible.density_rate_at, fluid, NO_WALLS)[:, 2]).max(),
+    )
+
+
+def test_diffusion_conserves_the_mean_compression(fluid, period):
+    still = fluid_of(fluid.position, compression=fluid.compression)
+    rate = rows(compressible.density_rate_at, still, NO_WALLS, period)[:, 2]
+    assert np.abs(rate).max() > 0.01
+    assert balance(rate[:, None]) < EXACT
+    # and brings it to one value
+    relative = fluid.compression - fluid.compression.mean()
+    calm = rows(compressible.density_rate_at, still, NO_WALLS, period, gravity=np.zeros(3))[:, 2]
+    assert relative @ calm < 0.0
+
+
+def test_the_acceleration_is_the_sum_over_all_pairs(fluid, solid, period):
+    found = rows(compressible.acceleration_at, fluid, solid, period)
+    numbers = numbers_of(LATTICE)
+    (r, d, w), (r_wall, d_wall, w_wall) = all_pairs(fluid, solid, period)
+    u, nu, p = fluid.velocity, fluid.viscosity, fluid.total_pressure
+    u_ij = u[None] - u[:, None]
+    approach = np.sum(u_ij * r, axis=2)
+    artificial = numbers.laplacian * 0.05 * 20.0 * SPACING * approach
+    along = (artificial - numbers.gradient * (p[None] + p[:, None]) / 1000.0) * w / d**2
+    drag = numbers.laplacian * 0.5 * (nu[None] + nu[:, None]) * w
+    expected = numbers.gravity + np.einsum("ij,ijk->ik", along, r)
+    expected += np.einsum("ij,ijk->ik", drag, u_ij)
+    p_wall = np.maximum(fluid.pressure[:, None] + 1000.0 * r_wall @ numbers.gravity, 0.0)
+    p_wall += (fluid.total_pressure - fluid.pressure)[:, None]
+    push = -numbers.gradient * (p[:, None] + p_wall) / 1000.0 * w_wall / d_wall**2
+    height = -np.einsum("ijk,jk->ij", r_wall, solid.normal) - solid.depth
+    factor = 1.0 + solid.depth / np.maximum(height, 0.5 * SPACING)
+    stick = numbers.laplacian * nu[:, None] * w_wall * (1.0 - solid.slip) * factor
+    expected += np.einsum("ij,ijk->ik", push, r_wall) - stick.sum(axis=1)[:, None] * u
+    assert_alike(found[:, :3], expected)
+    hits = np.where((d < 0.8 * SPACING) & (approach < 0.0), approach / d**2, 0.0)
+    assert np.any(hits)
+    assert_alike(found[:, 3:6], 0.5 * 1.2 * np.einsum("ij,ijk->ik", hits, r))
+
+
+def test_forces_between_particles_conserve_momentum(fluid, period):
+    found = rows(compressible.acceleration_at, fluid, NO_WALLS, period, gravity=np.zeros(3))
+    assert np.abs(found[:, :3]).max() > 1.0
+    assert np.abs(found[:, 3:6]).max() > 0.1
+    assert balance(found[:, :3]) < EXACT
+    assert balance(found[:, 3:6]) < EXACT
+
+
+def test_pressure_damping_and_collisions_conserve_angular_momentum(fluid):
+    inviscid = fluid._replace(viscosity=np.zeros(300))
+    found = rows(compressible.acceleration_at, inviscid, NO_WALLS, gravity=np.zeros(3))
+    for parts in (found[:, :3], found[:, 3:6]):
+        assert np.any(parts)
+        assert balance(np.cross(fluid.position, parts)) < EXACT
+
+
+@pytest.mark.parametrize("part", ["artificial_viscosity", "viscosity", "collisions"])
+def test_dissipation_takes_energy_of_any_motion(fluid, part):
+    calm = fluid_of(fluid.position, velocity=fluid.velocity)
+    calm = calm._replace(viscosity=fluid.viscosity * (part == "viscosity"))
+    changes = {"artificial_viscosity": 0.05 * (part == "artificial_viscosity")}
+    found = rows(compressible.acceleration_at, calm, NO_WALLS, gravity=np.zeros(3), **changes)
+    given = found[:, 3:6] if part == "collisions" else found[:, :3]
+    assert np.sum(given * fluid.velocity) < -1e-3
+
+
+def test_a_linear_pressure_is_exact_on_the_lattice(block, rng):
+    slope, grains = 1e3 * rng.normal(size=(2, 3))
+    fluid = fluid_of(block, pressure=5e3 + block @ slope, grain_pressure=3e3 + block @ grains)
+    found = middle_row(compressible.acceleration_at, fluid)
+    # the sum of the magnitudes of 57 pairs is p / (rho d0), 20 m/s2, times some ten
+    np.testing.assert_allclose(
+        found[:3], [1.0, 2.0, -9.0] - (slope + grains) / 1000.0, atol=200.0 * EXACT
+    )
+    assert not np.any(found[3:6])
+
+
+@pytest.mark.parametrize("closed", [[False, False], [True, False], [True, True]])
+def test_fluid_at_rest_in_a_corner_of_walls_stays_at_rest(closed):
+    # a wall neighbor has the pressure p_i + rho g . r_ij of the fluid, a linear one, and that of
+    # the grains of particle i
+    position = lattice_block(3, 10, SPACING)
+    walled = position[:, 2] < 3.0 * SPACING
+    for axis, is_closed in enumerate(closed):
+        walled |= is_closed & (position[:, axis] < 3.0 * SPACING)
+    gravity = np.array([0.0, 0.0, -9.81])
+    fluid, solid = position[~walled], solid_of(position[walled])
+    pressure, grains = 1000.0 * 9.81 * (10.0 * SPACING - fluid[:, 2]), np.full(len(fluid), 5e3)
+    still = fluid_of(fluid, pressure=pressure, grain_pressure=grains)
+    found = rows(compressible.acceleration_at, still, solid, gravity=gravity)
+    least = [3.0 if is_closed else 2.4 for is_closed in closed] + [3.0]
+    full = (fluid > SPACING * np.array(least)) & (fluid < 7.6 * SPACING)
+    supported = full.all(axis=1)
+    assert supported.sum() >= 5**3
+    # g h / d0 is 100 m/s2, and the sum of the magnitudes of 57 pairs ten times that
+    np.testing.assert_allclose(found[supported, :6], 0.0, atol=1000.0 * EXACT)
+    # where the surface is in reach the weight of what is missing is
+    assert np.abs(found[~full[:, 2], :3]).max() > 1.0
+
+
+def test_a_wall_never_pulls():
+    # hanging under a wall particle, p_i + rho g . r_ij is negative
+    fluid, solid = fluid_of(np.zeros((1, 3))), solid_of(np.array([[0.0, 0.0, SPACING]]))
+    found = rows(compressible.acceleration_at, fluid, solid, gravity=np.array([0.0, 0.0, -9.0]))
+    np.testing.assert_array_equal(found[0, :6], [0.0, 0.0, -9.0, 0.0, 0.0, 0.0])
+
+
+def viscous(fluid, solid=NO_WALLS):
+    """Return the acceleration of the middle particle by viscosity alone."""
+    viscosity = np.full(len(fluid.position), 0.3)
+    changes = {"gravity": np.zeros(3), "artificial_viscosity": 0.0}
+    fluid = fluid._replace(viscosity=viscosity)
+    return middle_row(compressible.acceleration_at, fluid, solid, **changes)[:3]
+
+
+def test_the_viscous_force_of_a_quadratic_profile_is_exact_on_the_lattice(block):
+    velocity = np.zeros_like(block)
+    velocity[:, 0] = 2.0 + 5.0 * block[:, 2] + 4.0 * block[:, 2] ** 2 + block[:, 0] * block[:, 1]
+    np.testing.assert_allclose(
+        viscous(fluid_of(block, velocity=velocity)), [0.3 * 8.0, 0.0, 0.0], atol=10.0 * EXACT
+    )
+
+
+@pytest.mark.parametrize("row", [0, 1])
+def test_walls_hold_what_sticks_to_them_and_nothing_else(block, row):
+    # the middle particle is in a row above the surface of the wall
+    surface = -(row + 0.5) * SPACING
+    walled = block[:, 2] < surface
+    fluid, depth = block[~walled], surface - block[walled, 2]
+    sheared, sliding = np.zeros_like(fluid), np.zeros_like(fluid)
+    sheared[:, 1] = 5.0 * (fluid[:, 2] - surface)
+    sliding[:, 1] = 5.0
+    no_slip, free_slip = (solid_of(block[walled], depth=depth, slip=slip) for slip in (0.0, 1.0))
+    # a linear profile down to the surface is exact; nothing shears along a free-slip wall
+    for velocity, solid in ((sheared, no_slip), (sliding, free_slip)):
+        found = viscous(fluid_of(fluid, velocity=velocity), solid)
+        np.testing.assert_allclose(found, 0.0, atol=100.0 * EXACT)
+    dragged = viscous(fluid_of(fluid, velocity=sliding), no_slip)
+    assert dragged[1] < -1e-2
+    assert np.abs(dragged[::2]).max() < EXACT
+
+
+def test_the_shear_rate_is_that_of_the_semi_implicit_scheme(fluid, solid, period):
+    found = rows(agitation.shear_rate_at, fluid, solid, period)
+    everyone = np.concatenate([fluid.position, solid.position])
+    stencil = stencil_of(everyone, LATTICE, period=period, wall_from=300)
+    walls = operators.WallSurface(
+        np.concatenate([np.zeros((300, 3)), solid.normal]),
+        np.concatenate([np.zeros(300), solid.depth]),
+        np.concatenate([np.zeros(300), solid.slip]),
+        np.zeros(450),
+    )
+    velocity = np.concatenate([fluid.velocity, np.zeros((150, 3))])
+    expected = np.empty(300)
+    operators.shear_rate(velocity, walls, stencil, expected)
+    assert np.count_nonzero(expected) > 290  # others have too few neighbors
+    assert_alike(found, expected)
+
+
+def test_the_equation_of_state_bears_no_tension():
+    numbers = numbers_of(LATTICE)
+    assert compressible.state_pressure(-0.01, numbers) == 0.0
+    assert compressible.state_pressure(0.0, numbers) == 0.0
+    # p = c^2 (rho - rho0)
+    assert compressible.state_pressure(0.03, numbers) == pytest.approx(400.0 * 30.0, rel=1e-15)
+
+
+def test_the_compression_follows_continuity_and_in_the_interior_the_summed_density():
+    def after(s, n, rate=0.5, summed=0.02, dt=0.001):
+        return compressible.new_compression(s, rate, n, summed, 0.1, dt)
+
+    assert after(0.03, 0.849) == 0.0
+    assert after(0.03, 0.9) == pytest.approx(0.03 + 0.001 * 0.5, rel=1e-15)
+    assert after(0.03, 0.95) == pytest.approx(0.03 + 0.001 * (0.5 - 0.1), rel=1e-15)
+    # without a rate it comes to the summed density within some relaxation times
+    s = 0.03
+    for _ in range(1000):
+        s = after(s, 1.0, rate=0.0)
+    assert s == pytest.approx(0.02 + 0.01 * np.exp(-10.0), rel=1e-3)  # dt is 1 % of the time
+    # out of bounds it stays at them
+    assert after(0.03, 0.9, rate=1e6) == compressible.GREATEST_COMPRESSION
+    assert after(0.03, 0.9, rate=-1e6) == compressible.LEAST_COMPRESSION
+
+
+def test_the_loop_writes_density_compression_and_pressure_of_each_particle(fluid, solid, period):
+    near, numbers = near_of(fluid, solid, LATTICE, period), numbers_of(LATTICE)
+    n, s, p = np.empty((3, 300))
+    compressible.advance_density(0.002, fluid, solid, near, numbers, n, s, p)
+    for i, row in enumerate(rows(compressible.density_rate_at, fluid, solid, period)):
+        ratio, summed, rate = row
+        expected = compressible.new_compression(
+            fluid.compression[i], rate, ratio, summed, numbers.relaxation, 0.002
+        )
+        assert n[i] == pytest.approx(ratio * LATTICE.number_density, rel=EXACT)
+        assert s[i] == pytest.approx(expected, rel=1e-11, abs=1e-14)
+        assert p[i] == pytest.approx(compressible.state_pressure(s[i], numbers), rel=1e-15)
+
+
+def test_the_smooth_weight_of_the_kernels_is_that_of_the_lattice():
+    numbers = numbers_of(LATTICE)
+    q = np.linspace(0.01, 1.2, 50)
+    found = []
+    for r in q * LATTICE.effective_radius:
+        found.append(pairs.smooth_weight(pairs.weight(1.0 / r, numbers), r * r, 1.0 / r, numbers))
+    expected = np.where(q < 1.0, lattice.smooth_weight(q), 0.0)
+    np.testing.assert_allclose(found, expected, atol=1e-15)
+
+
+@pytest.mark.parametrize(("dimension", "radius"), RADII)
+def test_the_smooth_density_grows_with_the_density_as_its_steepness_tells(dimension, radius):
+    known, step = reference(dimension, radius, 1.0), 1e-4
+    r = np.linalg.norm(lattice_block(dimension, 9) - 4.5 * (np.arange(3) < dimension), axis=1)
+
+    def summed(density):
+        q = r * density ** (-1.0 / dimension) / radius
+        return lattice.smooth_weight(q[q < 1.0]).sum()  # W(0) = 1 of itself
+
+    assert summed(1.0) == pytest.approx(known.smooth_density, rel=1e-13)
+    growth = (summed(1.0 + step) - summed(1.0 - step)) / (2.0 * step * known.smooth_density)
+    # a central difference, whose error is of the order of the squared step
+    assert growth == pytest.approx(known.smooth_steepness, rel=1e-6)
