@@ -34,7 +34,7 @@ class Grid:
 
     def __init__(self, position: Floats, radius: float, period: Floats) -> None:
         self.periodic = period > 0.0
-        columns = position.T
+        columns = position.T if len(position) else np.zeros((3, 1))
         lower = np.array([column.min() for column in columns])
         upper = np.array([column.max() for column in columns])
         extent = np.where(self.periodic, period, upper - lower)

@@ -323,3 +323,12 @@ def test_the_time_step_obeys_colliding_grains():
     assert most > 0.0
     assert found <= 0.2 * D0 / np.sqrt(most) * (1.0 + 1e-12)
     assert found < 0.1 * quiet
+
+
+def test_a_tank_that_has_lost_all_its_fluid_is_observed_and_stepped():
+    scheme, state = started(tank3d_case())
+    p = state.particles
+    p.position[p.fluid, 2] = 100.0
+    advance(scheme, state, steps=scheme.REFRESH + 1)
+    assert p.fluid_count == 0
+    assert state.left.sum() > 0
