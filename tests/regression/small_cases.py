@@ -22,6 +22,13 @@ SMALL_CASES = {
         "output.history_interval=0.01",
         "output.interval=0.2",
     ),
+    "dam_break3d": (
+        "particles.spacing=0.2",
+        "geometry.height=2.4",
+        "time.end=0.8",
+        "output.history_interval=0.05",
+        "output.interval=0.8",
+    ),
     "column_collapse2d": (
         "time.end=0.4",
         "output.history_interval=0.02",
