@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import prange
 from numpy.typing import NDArray
@@ -15,8 +17,8 @@ PIECE = 128
 FINE = 4
 
 
-class Grid:
-    """Cells as wide as the list radius or a little wider, over all particles.
+class Cells(NamedTuple):
+    """Points sorted into cells as wide as the list radius or a little wider.
 
     Along y, in which cells follow each other in memory, they are a quarter as wide where the domain
     does not repeat along it: the particles within reach of a cell then stand in rows that are a
@@ -24,32 +26,62 @@ class Grid:
 
     Attributes
     ----------
-    lower : (3,) float64 array, m
-    width : (3,) float64 array, m
+    position : (3, n) float64 array, m
+        Of the points, in the order of their cells.
+    order : (n,) int32 array
+        Numbers of the points in that order.
+    start : (cells + 1,) int64 array
+        First point of each cell.
+    lower, width : (3,) float64 array, m
     shape : (3,) int64 array
-    periodic : (3,) bool array
     reach : int
         Cells along y that the radius spans.
+    periodic : (3,) bool array
+    period : (2, 3) float64 array, m, 1/m
+        Period along each axis and its inverse; 0 where there is none.
     """
 
-    def __init__(self, position: Floats, radius: float, period: Floats) -> None:
-        self.periodic = period > 0.0
-        columns = position.T if len(position) else np.zeros((3, 1))
-        lower = np.array([column.min() for column in columns])
-        upper = np.array([column.max() for column in columns])
-        extent = np.where(self.periodic, period, upper - lower)
-        self.lower = np.where(self.periodic, 0.0, lower)
-        self.reach = 1 if self.periodic[1] else FINE
-        least = np.array([radius, radius / self.reach, radius])
-        self.shape = np.maximum(1, np.floor(extent / least).astype(np.int64))
-        self.width = np.where(
-            self.periodic, extent / self.shape, np.maximum(extent / self.shape, least)
-        )
+    position: Floats
+    order: NDArray[np.int32]
+    start: NDArray[np.int64]
+    lower: Floats
+    width: Floats
+    shape: NDArray[np.int64]
+    reach: int
+    periodic: NDArray[np.bool_]
+    period: Floats
 
-    @property
-    def cell_count(self) -> int:
-        """Number of cells."""
-        return int(self.shape.prod())
+
+def sort_into_cells(position: Floats, radius: float, period: Floats) -> Cells:
+    """Return points, (n, 3) float64 array, m, sorted into cells for a list radius, m."""
+    periodic = period > 0.0
+    columns = position.T if len(position) else np.zeros((3, 1))
+    lower = np.array([column.min() for column in columns])
+    upper = np.array([column.max() for column in columns])
+    extent = np.where(periodic, period, upper - lower)
+    reach = 1 if periodic[1] else FINE
+    least = np.array([radius, radius / reach, radius])
+    shape = np.maximum(1, np.floor(extent / least).astype(np.int64))
+    cells = Cells(
+        position=np.zeros((3, 0)),
+        order=np.empty(len(position), dtype=np.int32),
+        start=np.empty(int(shape.prod()) + 1, dtype=np.int64),
+        lower=np.where(periodic, 0.0, lower),
+        width=np.where(periodic, extent / shape, np.maximum(extent / shape, least)),
+        shape=shape,
+        reach=reach,
+        periodic=periodic,
+        period=np.stack([period, np.divide(1.0, period, out=np.zeros(3), where=periodic)]),
+    )
+    _sort_by_cell(cells_of(position, cells), cells.start, cells.order)
+    return cells._replace(position=np.ascontiguousarray(position[cells.order].T))
+
+
+def cells_of(position: Floats, cells: Cells) -> NDArray[np.int32]:
+    """Return the number of the cell of each position; beyond the ends that of the last cell."""
+    cell = np.empty(len(position), dtype=np.int32)
+    _cell_of(position, cells.lower, cells.width, cells.shape, cells.periodic, cell)
+    return cell
 
 
 @loop
@@ -81,61 +113,46 @@ def _sort_by_cell(cell, start, order):
 
 
 @kernel
-def append_near(i, here, sorted_position, order, lower, upper, period, reach2, near, row, count):
-    """Append the particles of ``order[lower:upper]`` within reach of ``here`` to a row.
+def append_near(itself, here, cells, lower, upper, reach2, near, listed, count):
+    """Append the points of ``order[lower:upper]`` within reach of ``here`` to a list.
 
-    Distances first, which vectorizes, then the list; the last place of the row takes what does not
-    count, which spares a branch.  Twice as fast as one loop.
+    Distances first, which vectorizes, then the list; the last place of the list takes what does
+    not count, which spares a branch.  Twice as fast as one loop.
     """
-    last = row.size - 1
+    last, period = listed.size - 1, cells.period
     for first in range(lower, upper, PIECE):
         size = min(upper - first, PIECE)
-        xs = sorted_position[0, first : first + size]
-        ys = sorted_position[1, first : first + size]
-        zs = sorted_position[2, first : first + size]
+        xs = cells.position[0, first : first + size]
+        ys = cells.position[1, first : first + size]
+        zs = cells.position[2, first : first + size]
         for k in range(size):
             dx = xs[k] - here[0]
             dy = ys[k] - here[1]
             dz = zs[k] - here[2]
-            dx -= period[0] * np.rint(dx * period[3])
-            dy -= period[1] * np.rint(dy * period[4])
-            dz -= period[2] * np.rint(dz * period[5])
+            dx -= period[0, 0] * np.rint(dx * period[1, 0])
+            dy -= period[0, 1] * np.rint(dy * period[1, 1])
+            dz -= period[0, 2] * np.rint(dz * period[1, 2])
             near[k] = dx * dx + dy * dy + dz * dz < reach2
         for k in range(size):
-            j = order[first + k]
-            row[min(count, last)] = j
-            count += near[k] & np.int8(j != i)
+            j = cells.order[first + k]
+            listed[min(count, last)] = j
+            count += near[k] & np.int8(j != itself)
     return count
 
 
 @kernel
-def list_at(
-    i,
-    itself,
-    position,
-    sorted_position,
-    order,
-    start,
-    cell,
-    shape,
-    reach,
-    periodic,
-    period,
-    reach2,
-    listed,
-):
-    """Write the particles within reach of particle i into a list and return how many there are.
+def list_at(itself, here, cell, cells, reach2, listed):
+    """Write the points within reach of ``here`` into a list and return how many there are.
 
-    The particle ``itself`` is left out.  A number greater than the length less one says that the
-    list overflowed.
+    ``cell`` is the cell of here.  The point ``itself`` is left out.  A number greater than the
+    length less one says that the list overflowed.
     """
     count = 0
     near = np.empty(PIECE, dtype=np.int8)
-    here = (position[i, 0], position[i, 1], position[i, 2])
-    lengths = (period[0], period[1], period[2], *_inverse(period))
-    cy = cell[i] % shape[1]
-    cz = (cell[i] // shape[1]) % shape[2]
-    cx = cell[i] // (shape[1] * shape[2])
+    shape, periodic, reach = cells.shape, cells.periodic, cells.reach
+    cy = cell % shape[1]
+    cz = (cell // shape[1]) % shape[2]
+    cx = cell // (shape[1] * shape[2])
     for a in range(cx - 1, cx + 2):
         if (a < 0 or a >= shape[0]) and not periodic[0]:
             continue
@@ -143,22 +160,19 @@ def list_at(
             if (c < 0 or c >= shape[2]) and not periodic[2]:
                 continue
             column = ((a % shape[0]) * shape[2] + c % shape[2]) * shape[1]
-            cells = 3 if periodic[1] else 1
-            for b in range(cells):
+            for b in range(3 if periodic[1] else 1):
                 if periodic[1]:
-                    lower = column + (cy - 1 + b) % shape[1]
-                    upper = lower + 1
+                    first = column + (cy - 1 + b) % shape[1]
+                    end = first + 1
                 else:
-                    lower = column + max(cy - reach, 0)
-                    upper = column + min(cy + reach + 1, shape[1])
+                    first = column + max(cy - reach, 0)
+                    end = column + min(cy + reach + 1, shape[1])
                 count = append_near(
                     itself,
                     here,
-                    sorted_position,
-                    order,
-                    start[lower],
-                    start[upper],
-                    lengths,
+                    cells,
+                    cells.start[first],
+                    cells.start[end],
                     reach2,
                     near,
                     listed,
@@ -167,88 +181,21 @@ def list_at(
     return count
 
 
-@kernel
-def _inverse(period):
-    """Return the inverse of each period, 0 where there is none."""
-    return (
-        1.0 / period[0] if period[0] > 0.0 else 0.0,
-        1.0 / period[1] if period[1] > 0.0 else 0.0,
-        1.0 / period[2] if period[2] > 0.0 else 0.0,
-    )
-
-
 @loop
-def _list(
-    position,
-    sorted_position,
-    order,
-    start,
-    cell,
-    shape,
-    reach,
-    periodic,
-    period,
-    reach2,
-    index,
-    count,
-):
-    for i in prange(count.size):
-        count[i] = list_at(
-            i,
-            i,
-            position,
-            sorted_position,
-            order,
-            start,
-            cell,
-            shape,
-            reach,
-            periodic,
-            period,
-            reach2,
-            index[i],
-        )
-
-
-@loop
-def _list_near_crowds(
-    position,
-    sorted_position,
-    order,
-    start,
-    cell,
-    row,
-    shape,
-    reach,
-    periodic,
-    period,
-    reach2,
-    index,
-    count,
-):
+def _list(among, position, cell, row, cells, reach2, index, count):
+    """Write who is near each position: its row of ``index`` and the count; row -1 has none."""
     for i in prange(count.size):
         count[i] = 0
         if row[i] >= 0:
-            count[i] = list_at(
-                i,
-                -1,
-                position,
-                sorted_position,
-                order,
-                start,
-                cell,
-                shape,
-                reach,
-                periodic,
-                period,
-                reach2,
-                index[row[i]],
-            )
+            here = (position[i, 0], position[i, 1], position[i, 2])
+            itself = i if among else -1
+            count[i] = list_at(itself, here, cell[i], cells, reach2, index[row[i]])
 
 
 @loop
-def _find_crowds(start, shape, reach, periodic, crowd):
+def _find_crowds(cells, crowd):
     """Write which cells have a point in them or in the cells around them."""
+    shape, periodic, reach, start = cells.shape, cells.periodic, cells.reach, cells.start
     for cell in prange(crowd.size):
         cy = cell % shape[1]
         cz = (cell // shape[1]) % shape[2]
@@ -294,33 +241,6 @@ def _largest_displacement(position, reference, period, partial):
         partial[block] = largest
 
 
-class _Sorted:
-    """Points sorted into the cells of a grid."""
-
-    def __init__(self, position: Floats, radius: float, period: Floats) -> None:
-        self.period, self.radius = period, radius
-        self.grid = Grid(position, radius, period)
-        self.cell = self.cells_of(position)
-        self.order = np.empty(self.cell.size, dtype=np.int32)
-        self.start = np.empty(self.grid.cell_count + 1, dtype=np.int64)
-        _sort_by_cell(self.cell, self.start, self.order)
-        self.position = np.ascontiguousarray(position[self.order].T)
-
-    def cells_of(self, position: Floats) -> NDArray[np.int32]:
-        grid, cell = self.grid, np.empty(position.shape[0], dtype=np.int32)
-        _cell_of(position, grid.lower, grid.width, grid.shape, grid.periodic, cell)
-        return cell
-
-    def lists(self, position: Floats, cell: NDArray[np.int32]) -> tuple[object, ...]:
-        """Return what the kernels that list the points near positions in given cells need."""
-        return position, self.position, self.order, self.start, cell
-
-    def space(self) -> tuple[object, ...]:
-        """Return shape and period of the cells and the squared radius."""
-        grid = self.grid
-        return grid.shape, grid.reach, grid.periodic, self.period, self.radius**2
-
-
 class Neighbors:
     """Neighbors of the first ``rows`` particles, within the influence radius and a skin.
 
@@ -362,12 +282,14 @@ class Neighbors:
 
     def build(self, position: Floats, rows: int) -> None:
         """Build the list of the first ``rows`` particles."""
-        points = _Sorted(position, self.radius, self.period)
+        cells = sort_into_cells(position, self.radius, self.period)
         if self.count.size != rows:
             self.index = np.zeros((rows, self.index.shape[1]), dtype=np.int32)
             self.count = np.zeros(rows, dtype=np.int32)
+        cell, row = cells_of(position, cells), np.arange(rows, dtype=np.int32)
+        near = True, position, cell, row, cells, self.radius**2
         while True:
-            _list(*points.lists(position, points.cell), *points.space(), self.index, self.count)
+            _list(*near, self.index, self.count)
             most = int(self.count.max(initial=0))
             if most < self.index.shape[1]:
                 break
@@ -414,31 +336,30 @@ class FixedNeighbors:
         skin: float = SKIN,
     ) -> None:
         self._effective_radius, self._spacing = effective_radius, spacing
-        self._points = _Sorted(points, effective_radius + skin * spacing, period)
-        grid = self._points.grid
-        self._crowd = np.empty(grid.cell_count, dtype=np.bool_)
-        _find_crowds(self._points.start, grid.shape, grid.reach, grid.periodic, self._crowd)
+        self._cells = sort_into_cells(points, effective_radius + skin * spacing, period)
+        self._crowd = np.empty(self._cells.start.size - 1, dtype=np.bool_)
+        _find_crowds(self._cells, self._crowd)
+        self.set_skin(skin)
         self.index = np.zeros((0, 8), dtype=np.int32)
         self.row = np.zeros(0, dtype=np.int32)
         self.count = np.zeros(0, dtype=np.int32)
 
     def set_skin(self, skin: float) -> None:
         """Choose the skin of the lists that are built from now on, in spacings."""
-        self._points.radius = self._effective_radius + skin * self._spacing
+        self.radius = self._effective_radius + skin * self._spacing
 
     def build(self, position: Floats) -> None:
         """Build the list of all given particles."""
-        points, width = self._points, self.index.shape[1]
-        cell = points.cells_of(position)
+        cell = cells_of(position, self._cells)
         has_row = self._crowd[cell]
         rows = int(np.count_nonzero(has_row))
         self.row = np.where(has_row, np.cumsum(has_row) - 1, -1).astype(np.int32)
         if self.index.shape[0] < rows:
-            self.index = np.zeros((rows, width), dtype=np.int32)
+            self.index = np.zeros((rows, self.index.shape[1]), dtype=np.int32)
         self.count = np.zeros(len(position), dtype=np.int32)
-        lists, space = points.lists(position, cell), points.space()
+        near = False, position, cell, self.row, self._cells, self.radius**2
         while True:
-            _list_near_crowds(*lists, self.row, *space, self.index, self.count)
+            _list(*near, self.index, self.count)
             most = int(self.count.max(initial=0))
             if most < self.index.shape[1]:
                 break
