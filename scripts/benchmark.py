@@ -1,23 +1,33 @@
 """Measure the wall time of a whole step of a dam break.
 
-    python scripts/benchmark.py [NAME ...] [--threads 1,2] [--json]
+    python scripts/benchmark.py [NAME ...] [--threads 1,2] [--json] [--peer]
 
 Names: dam2d_2k, dam2d_20k (the default), dam2d_100k, dam2d_200k, sweep (all of them),
 dam2d_20k_late (the same column from t = 0.3 s), and in three dimensions dam3d_50k, dam3d_50k_wide
 (influence radius 2.4 instead of 2.1 spacings) and dam3d_300k.  A step includes everything that a
 run does between two outputs: neighbor lists, sorting, the set-up of the multigrid hierarchy and all
-terms.  Kernels are compiled before the clock starts.
+terms.  Kernels are compiled before the clock starts.  In three dimensions it also measures the
+memory per particle, walls included: resident memory of a fresh process after the steps less that
+after a tiny run.  With ``--peer`` each run in three dimensions takes turns with one of the same dam
+break in SPlisHSPlasH, which is installed from the package index into a throw-away environment.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import statistics
+import sys
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 from math import log
+from multiprocessing import get_context
+from pathlib import Path
 from time import perf_counter
 
 import click
+from benchmark_peer import environment, measure_peer
 
 from debrisflow._jit import set_threads
 from debrisflow.case import tables
@@ -27,6 +37,7 @@ from debrisflow.schemes import SemiImplicit
 from debrisflow.state import State, initial_state
 
 STEPS = {2: 12, 3: 80}
+TINY = 0.05
 LATE = 0.3
 SPACING = {
     "dam2d_2k": 0.0158,
@@ -120,6 +131,49 @@ def measure(name: str, threads: int, repeats: int) -> dict[str, object]:
     }
 
 
+def median_of(results: list[dict[str, object]]) -> dict[str, object]:
+    """Return the result with the median of the seconds per step."""
+    return sorted(results, key=lambda result: result["seconds_per_step"])[len(results) // 2]
+
+
+def measure_side_by_side(name: str, threads: int, repeats: int, peer: Path) -> dict[str, object]:
+    """Return the result of a benchmark with the peer's beside it; their runs take turns."""
+    case, ours, theirs = case_of(name), [], []
+    for _ in range(repeats):
+        ours.append(measure(name, threads, 1))
+        theirs.append(measure_peer(peer, case, threads, STEPS[3]))
+    return median_of(ours) | {"peer": median_of(theirs)}
+
+
+def resident_bytes() -> int:
+    """Return the resident memory of this process; the greatest so far where there is no /proc."""
+    statm = Path("/proc/self/statm")
+    if statm.exists():
+        return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    import resource
+
+    greatest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return greatest if sys.platform == "darwin" else 1024 * greatest
+
+
+def added_bytes(name: str, threads: int) -> float:
+    """Return by how much a benchmark's run raises the memory of this process, bytes a particle."""
+    set_threads(threads)
+    tiny = dam_break_in_three(TINY, IN_THREE[name][1])
+    take_steps(scheme_of(tiny), initial_state(tiny), 3)
+    idle = resident_bytes()
+    case = case_of(name)
+    state, scheme = initial_state(case), scheme_of(case)
+    take_steps(scheme, state, STEPS[3])
+    return (resident_bytes() - idle) / state.particles.count
+
+
+def bytes_per_particle(name: str, threads: int) -> float:
+    """Return the memory of a benchmark in three dimensions, measured in a fresh process."""
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as fresh:
+        return fresh.submit(added_bytes, name, threads).result()
+
+
 def growth(results: dict[str, dict[str, dict[str, object]]], threads: str) -> float | None:
     """Return the exponent with which seconds per step grow from the least to the greatest case."""
     sized = sorted(
@@ -133,32 +187,65 @@ def growth(results: dict[str, dict[str, dict[str, object]]], threads: str) -> fl
     return log(t1 / t0) / log(n1 / n0)
 
 
+def report(name: str, threads: str, result: dict[str, object]) -> None:
+    """Print the result of a benchmark."""
+    click.echo(
+        f"{name}, {threads} threads: {result['seconds_per_step']:.4f} s a step, "
+        f"{result['fluid']} fluid of {result['particles']} particles"
+    )
+    for phase, seconds in result["split"].items():
+        click.echo(f"    {phase:<22} {seconds:.4f} s")
+    if "bytes_per_particle" in result:
+        click.echo(f"    {'memory':<22} {result['bytes_per_particle']:.0f} bytes a particle")
+    if peer := result.get("peer"):
+        share = result["seconds_per_step"] / peer["seconds_per_step"]
+        click.echo(
+            f"    pysplishsplash {peer['version']}: {peer['seconds_per_step']:.4f} s a step, "
+            f"{peer['fluid']} fluid of {peer['particles']} particles; ours takes {share:.2f} of it"
+        )
+
+
+def wanted_of(names: tuple[str, ...], with_peer: bool) -> list[str]:
+    """Return the benchmarks that the words of the command line mean."""
+    names = names or ("dam3d_50k" if with_peer else "dam2d_20k",)
+    wanted = [n for name in names for n in (SWEEP if name == "sweep" else (name,))]
+    known = {*SPACING, *(f"{name}_late" for name in SPACING), *IN_THREE}
+    known = set(IN_THREE) if with_peer else known
+    if unknown := set(wanted) - known:
+        given = " with --peer" if with_peer else ""
+        raise click.UsageError(
+            f"unknown{given}: {', '.join(unknown)}; known: {', '.join(sorted(known))}"
+        )
+    return wanted
+
+
 @click.command()
 @click.argument("names", nargs=-1)
 @click.option("--threads", default="1,2", show_default=True, help="Numbers of threads.")
 @click.option("--repeats", default=3, show_default=True, help="Runs of which the median counts.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON only.")
-def main(names: tuple[str, ...], threads: str, repeats: int, as_json: bool) -> None:
-    """Measure NAMES (dam2d_20k if none is given)."""
-    wanted = [
-        n for name in names or ("dam2d_20k",) for n in (SWEEP if name == "sweep" else (name,))
-    ]
-    known = {*SPACING, *(f"{name}_late" for name in SPACING), *IN_THREE}
-    if unknown := set(wanted) - known:
-        raise click.UsageError(f"unknown: {', '.join(unknown)}; known: {', '.join(sorted(known))}")
+@click.option(
+    "--peer", "with_peer", is_flag=True, help="Run SPlisHSPlasH in turns (3D cases only)."
+)
+def main(
+    names: tuple[str, ...], threads: str, repeats: int, as_json: bool, with_peer: bool
+) -> None:
+    """Measure NAMES (dam2d_20k if none is given, dam3d_50k with --peer)."""
     results: dict[str, dict[str, dict[str, object]]] = {}
-    for name in wanted:
-        results[name] = {}
-        for count in threads.split(","):
-            result = measure(name, int(count), repeats)
-            results[name][count] = result
-            if not as_json:
-                click.echo(
-                    f"{name}, {count} threads: {result['seconds_per_step']:.4f} s a step, "
-                    f"{result['fluid']} fluid of {result['particles']} particles"
-                )
-                for phase, seconds in result["split"].items():
-                    click.echo(f"    {phase:<22} {seconds:.4f} s")
+    wanted = wanted_of(names, with_peer)
+    with environment() if with_peer else nullcontext() as peer:
+        for name in wanted:
+            results[name] = {}
+            for count in threads.split(","):
+                if peer:
+                    result = measure_side_by_side(name, int(count), repeats, peer)
+                else:
+                    result = measure(name, int(count), repeats)
+                if name in IN_THREE:
+                    result["bytes_per_particle"] = bytes_per_particle(name, int(count))
+                results[name][count] = result
+                if not as_json:
+                    report(name, count, result)
     if as_json:
         click.echo(json.dumps(results, indent=2))
         return
