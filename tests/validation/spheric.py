@@ -26,7 +26,7 @@ GAUGES = ("h1", "h2", "h3", "h4")
 PRESSURES = tuple(f"p{k}" for k in range(1, 9))
 FIRST_PRESSURE = len(GAUGES)  # among the probes of the case
 WET, PRESSED = 0.01, 1000.0  # m, Pa
-INTERVAL = 0.01
+MEAN_OVER, SAMPLES = 0.01, 5  # s; as the measured series, and the samples in each mean
 SPACINGS = (0.05, DEPTH / 18)
 
 
@@ -92,7 +92,7 @@ class Marin:
     series : dict
         By name the (n,) float64 arrays ``time``, s; ``h1`` to ``h4``, m, filled heights;
         ``top_h1`` to ``top_h4``, m, contiguous heights; ``p1`` to ``p8``, Pa; ``force``, N, along
-        x on the box.
+        x on the box; all means over 10 ms, as those of the experiment.
     through_wall, over_rim : int
         Particles that were lost.
     energy : float
@@ -132,11 +132,20 @@ def impulse(series: dict[str, Floats], name: str, start: float = 0.4, end: float
     return float(np.trapezoid(np.interp(time, series["time"], series[name]), time))
 
 
+def means(rows: Floats, time: Floats) -> Floats:
+    """Return the means of rows over 10 ms, as the experiment is given."""
+    bins = (time / MEAN_OVER).astype(int)
+    _, group, count = np.unique(bins, return_inverse=True, return_counts=True)
+    summed = np.zeros((count.size, rows.shape[1]))
+    np.add.at(summed, group, rows)
+    return summed / count[:, None]
+
+
 def run(spacing: float = 0.05, end: float = 2.0, overrides: tuple[str, ...] = ()) -> Marin:
     """Run the case at a spacing and read its probes."""
     case = build(spacing, end, overrides)
     rows, greatest, start, measures = [], 0.0, 0.0, {}
-    for state in states(case, INTERVAL):
+    for state in states(case, MEAN_OVER / SAMPLES):
         measures = measures or probe_measures(case, state.particles)
         samples = {name: measure.sample(state) for name, measure in measures.items()}
         levels = np.array([samples[name] for name in GAUGES])
@@ -145,8 +154,9 @@ def run(spacing: float = 0.05, end: float = 2.0, overrides: tuple[str, ...] = ()
         greatest = max(greatest, energy(case, state))
         start = start or greatest
     names = ("time", *GAUGES, *(f"top_{name}" for name in GAUGES), *PRESSURES, "force")
+    table = np.array(rows)
     return Marin(
-        dict(zip(names, np.array(rows).T, strict=True)),
+        dict(zip(names, means(table, table[:, 0]).T, strict=True)),
         int(state.through_wall.sum()),
         int(state.left.sum()),
         greatest / start,

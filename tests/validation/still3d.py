@@ -69,7 +69,7 @@ def run(overrides: tuple[str, ...] = (), depth: float = 1.0) -> Still3D:
 
 
 def shallow(spacing: float = 0.02, depth: float = 0.2) -> tuple[str, ...]:
-    """Return the changes for a tank of another depth, with the same shape and relative speeds."""
+    """Return the changes for a tank of another depth, of the same shape and the default c."""
     lengths = {
         "particles.spacing": spacing,
         "geometry.length": 0.8 * depth,
@@ -78,7 +78,7 @@ def shallow(spacing: float = 0.02, depth: float = 0.2) -> tuple[str, ...]:
         "fill.0.x": [0.0, 0.8 * depth],
         "fill.0.y": [0.0, 0.8 * depth],
         "fill.0.z": [0.0, depth],
-        "scheme.sound_speed": 22.0 * depth**0.5,
+        "scheme.sound_speed": 10.0 * (2.0 * 9.81 * depth) ** 0.5,
         "time.end": 3.0,
     }
     return tuple(f"{key}={value!r}" for key, value in lengths.items())
