@@ -1,10 +1,10 @@
 """Print the figures of the README's tables of accuracy, from runs made now.
 
 python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
-                           [fine_flume] [short_flume]
+                           [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube]
 
-``fine_flume`` takes about an hour, ``collapse`` and ``flume`` about ten minutes, the others five or
-less each.
+``fine_flume`` takes about an hour, ``marin`` half an hour, ``collapse`` and ``flume`` about ten
+minutes, the others five or less each.
 """
 
 from __future__ import annotations
@@ -23,12 +23,16 @@ from tests.validation import (
     collapse,
     controls,
     dam_break,
+    dam_break3d,
     endless_bed,
     flume,
     granular_shear,
     hydrostatic,
+    mixture_cube,
     rough_film,
     settling,
+    spheric,
+    still3d,
     viscous,
 )
 
@@ -277,6 +281,74 @@ def print_short_flume() -> None:
     )
 
 
+STILL3D = {
+    "d0 = 0.1 m, c = 22 m/s": ((), 1.0),
+    "d0 = 0.05 m": (("particles.spacing=0.05",), 1.0),
+    "c = 44 m/s": (("scheme.sound_speed=44.0",), 1.0),
+    "0.2 m deep, d0 = 0.02 m": (still3d.shallow(), 0.2),
+}
+
+
+def print_still3d() -> None:
+    """Print height, pressure and speed of water at rest in three dimensions."""
+    for title, (changes, depth) in STILL3D.items():
+        found = still3d.run(changes, depth)
+        click.echo(
+            f"still tank, {title}: mean height {found.drift:+.2%}, time-mean pressure, rms "
+            f"{found.pressure_error:.3f} ({found.raw_pressure_error:.3f} with the offset), speed "
+            f"{found.speed:.3f} m/s, {found.lost} lost"
+        )
+
+
+def print_dam_break3d() -> None:
+    """Print front, height and energy of the dam breaks in a slab."""
+    for experiment, spacings in dam_break3d.SPACINGS.items():
+        for across in spacings:
+            run = dam_break3d.run(across, experiment)
+            for name, found in (("fixed depth", run), ("last column", run.by_last_column())):
+                shift, error = found.best_shift(0.5)
+                click.echo(
+                    f"slab, n2 = {experiment.ratio}, {across} across, front by {name}: "
+                    f"{found.front_error():.1%}, {error:.1%} at a shift of {shift:.2f}, slope "
+                    f"{found.slope():.3f} ({found.slope() / experiment.slope - 1:+.1%}), height "
+                    f"{found.height_error():.3f} H0, energy {found.energy.max():.4f}, Z at T = 1, "
+                    f"2, 3: {found.places().round(3).tolist()}"
+                )
+
+
+def print_marin() -> None:
+    """Print levels, arrivals and pressures of the dam break against a box."""
+    measured = spheric.experiment()
+    for spacing in spheric.SPACINGS:
+        found = spheric.run(spacing, 6.0)
+        click.echo(
+            f"SPHERIC 2, d0 = {spacing:.4f} m, energy {found.energy:.4f}, {found.through_wall} "
+            f"through walls, {found.over_rim} over the rim"
+        )
+        for name in spheric.GAUGES:
+            errors = [100.0 * found.level_error(name, end) for end in (2.0, 6.0)]
+            click.echo(f"  {name}: rms to 2 and 6 s {errors[0]:.1f} and {errors[1]:.1f} cm")
+        for name in ("h3", "h2", "h1", "p1"):
+            ours, theirs = found.arrival(name), spheric.arrival(measured, name)
+            click.echo(f"  {name}: at {ours:.3f} s, measured {theirs:.3f} s")
+        for name in spheric.PRESSURES[:4]:
+            ours, theirs = found.impulse(name), spheric.impulse(measured, name)
+            click.echo(
+                f"  {name}: 0.4 to 1.2 s {ours / 1e3:.2f} kPa s, measured {theirs / 1e3:.2f}"
+            )
+
+
+def print_cube() -> None:
+    """Print front, spray and energy of the cube of mixture."""
+    for concentration in (None, 0.4, 0.5):
+        found = mixture_cube.run(concentration)
+        click.echo(
+            f"B1, C = {concentration or 'none'}: front {found.front:.2f} m, n < 0.8 n0 "
+            f"{found.thin:.1%}, height {found.height:.2f} m, energy {found.energy:.4f}, "
+            f"{found.through_wall} through walls"
+        )
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "still": print_still,
     "viscous": print_viscous,
@@ -288,6 +360,10 @@ PARTS: dict[str, Callable[[], None]] = {
     "flume": print_flume,
     "fine_flume": print_fine_flume,
     "short_flume": print_short_flume,
+    "still3d": print_still3d,
+    "dam_break3d": print_dam_break3d,
+    "marin": print_marin,
+    "cube": print_cube,
 }
 
 

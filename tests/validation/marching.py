@@ -1,0 +1,36 @@
+"""Step a case and look at its state now and then."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from debrisflow.case import tables
+from debrisflow.measures import elastic_energy, energies
+from debrisflow.simulation import SCHEMES
+from debrisflow.state import State, initial_state
+
+
+def states(case: tables.Case, interval: float = 0.0) -> Iterator[State]:
+    """Yield the state at the start, and at the end of each step in which an interval, s, ends.
+
+    It is one object that changes.  Steps are not shortened for the intervals; 0 is every step.
+    """
+    scheme, state = SCHEMES[case.scheme.type](case), initial_state(case)
+    scheme.fill_number_density(state)
+    yield state
+    count = 0
+    while state.time < case.time.end:
+        dt = scheme.stable_dt(state)
+        scheme.step(state, dt)
+        state.time += dt
+        state.step += 1
+        if interval == 0.0 or int(state.time / interval) > count:
+            count = int(state.time / interval) if interval > 0.0 else 0
+            yield state
+
+
+def energy(case: tables.Case, state: State) -> float:
+    """Return kinetic, potential and elastic energy of the fluid, J, in two dimensions J/m."""
+    p = state.particles
+    moving = sum(energies(case, p.position, p.velocity, p.density, p.kind))
+    return moving + elastic_energy(case, p.density, p.kind, p.compression)

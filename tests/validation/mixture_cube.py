@@ -1,0 +1,66 @@
+"""Collapse of a cube of debris mixture in a tank (B1): leaks, energy, front, spray."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from debrisflow.case import load_case
+from debrisflow.lattice import reference
+from debrisflow.measures import FRONT_SHARE
+from tests.validation.marching import energy, states
+
+CASE = Path(__file__).parents[2] / "cases" / "dam_break3d.toml"
+FRONT_TIME = 0.8
+THIN = 0.8  # of n0
+
+
+@dataclass
+class Cube:
+    """What a collapse did.
+
+    Attributes
+    ----------
+    front : float, m
+        x behind which 99.5 % of the particles lie at 0.8 s.
+    thin : float
+        Share of the particles with n < 0.8 n0 then.
+    height : float, m
+        Greatest z of a particle until then; it is that of the start unless some are thrown up.
+    energy : float
+        Greatest kinetic, potential and elastic energy over that at the start.
+    through_wall : int
+    """
+
+    front: float
+    thin: float
+    height: float
+    energy: float
+    through_wall: int
+
+
+def run(concentration: float | None, end: float = 2.0, overrides: tuple[str, ...] = ()) -> Cube:
+    """Let the cube collapse, with the stress of grains of a concentration or, if None, without.
+
+    Without stress the mixture has the density of a concentration of 0.4.
+    """
+    changes = [f"mixture.concentration={concentration or 0.4!r}", f"time.end={end!r}"]
+    if concentration is None:
+        changes.append("collision_stress.enabled=false")
+    case = load_case(CASE, [*changes, *overrides])
+    lattice = reference(3, case.particles.effective_radius, case.particles.spacing)
+    least = THIN * lattice.number_density
+    start = greatest = height = front = thin = 0.0
+    for state in states(case, 0.01):
+        p = state.particles
+        total = energy(case, state)
+        start, greatest = start or total, max(greatest, total)
+        if front == 0.0:
+            height = max(height, float(p.position[p.fluid, 2].max()))
+        if state.time >= FRONT_TIME and front == 0.0:
+            x = p.position[p.fluid, 0]
+            front = float(np.quantile(x, FRONT_SHARE, method="inverted_cdf"))
+            thin = float(np.mean(p.number_density[p.fluid] < least))
+    return Cube(front, thin, height, greatest / start, int(state.through_wall.sum()))
