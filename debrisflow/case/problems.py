@@ -201,6 +201,8 @@ def _likely_key(place: Place) -> str:
     word = str(place.keys[-1])
     here = did_you_mean(word, [name for table in place.owners for name in table.model_fields])
     elsewhere = [key for key in _all_keys(Case) if key.rpartition(".")[2] == word]
+    if place.key in elsewhere:
+        return " here; it belongs to another type of this table"
     return here or (f"; did you mean '{elsewhere[0]}'?" if elsewhere else "")
 
 
