@@ -80,11 +80,9 @@ class Explicit:
             case.collision_stress.largest_concentration,
         )
         stress = case.collision_stress
-        colliding = share if stress.concentration is None else stress.concentration
-        self._concentration = min(colliding, stress.largest_concentration)
+        self._concentration = min(share, stress.largest_concentration)
         self._has_collisions = stress.enabled and self._concentration > 0.0
         self._is_algebraic = stress.granular_temperature == "algebraic"
-        self._share = share
 
     def _set_numbers(self, case: tables.Case) -> None:
         lattice, scheme = self.lattice, self.scheme
@@ -291,6 +289,7 @@ class Explicit:
             self._grain_pressure,
             self._total_viscosity,
         )
+        p.grain_pressure[p.fluid] = self._grain_pressure
 
     def _advance_density(self, state: State, dt: float) -> None:
         p, rows = state.particles, state.particles.fluid

@@ -116,8 +116,8 @@ def forecast(case: Case) -> Forecast:
     speed of a free fall.
     """
     given = given_speed(case.fill, case.inflow, case.walls)
-    fall = fall_speed(case.fill, case.inflow, case.geometry, case.particles, case.gravity)
-    speed = given + fall
+    space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
+    speed = given + fall_speed(*space, to_floor=True)
     smallest = _step(case, speed)
     counts = _counts(case)
     frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
@@ -131,7 +131,7 @@ def forecast(case: Case) -> Forecast:
         memory=particle_estimate(case)["memory"],
         disk=float(frames * sum(counts.values()) * BYTES_ON_DISK),
         frames=frames,
-        sound=_sound(case, speed, fall),
+        sound=_sound(case, speed, fall_speed(*space)),
     )
 
 

@@ -386,6 +386,8 @@ def _distance_to_open(
     nearest point of the wall surface; among equally near points the mean direction counts.
     """
     padded = np.pad(solid, layers, constant_values=True)
+    if solid.ndim == 3:
+        padded[:, :, -layers:] = False  # rims and obstacles as high as the tank carry what lands
     if periodic_axis is not None:
         own = [slice(None) if k == periodic_axis else slice(layers, -layers) for k in range(2)]
         own += [slice(layers, -layers)] * (solid.ndim - 2)

@@ -45,7 +45,7 @@ from debrisflow.wall_pressure import (
 
 Floats = NDArray[np.float64]
 UPWARD = 0.5  # upward part of the normal above which a wall carries what stands on it
-_OF_STEP = "of the step before, at a start none"
+_OF_STEP = "of the step before; at a start that at rest, or none in two dimensions"
 _TIME = "time: s; end of the step in which the sample was due"
 
 
@@ -97,6 +97,7 @@ class Height:
 
     def __init__(self, probe: HeightProbe, case: tables.Case, particles: Particles) -> None:
         assert probe.size is not None
+        self._name = probe.name
         self._d0, self._axes, self._up = case.particles.spacing, case.dimension, case.dimension - 1
         lattice = reference(case.dimension, case.particles.effective_radius, self._d0)
         self._least_density = LEAST_DENSITY_RATIO * lattice.number_density
@@ -106,6 +107,7 @@ class Height:
         ends[0] = floor_length(case)
         if isinstance(case.geometry, tables.Tank3D):
             ends[1] = case.geometry.width
+        self._ends = ends
         half = np.full(self._up, 0.5 * probe.size)
         repeats = self._period > 0.0
         self._lower = -np.where(repeats, half, np.minimum(half, self._place))
@@ -140,7 +142,11 @@ class Height:
         """Return the level of the highest wall under the place that looks up, m."""
         solid = slice(p.inflow.stop, p.count)
         under = np.all(np.abs(self._offset(p.position[solid])) <= (0.5 + 1e-6) * self._d0, axis=1)
+        aside = p.position[solid, : self._up]
+        under &= np.all((aside > 0.0) & (aside < self._ends), axis=1)  # not a rim
         under &= (p.kind[solid] == Kind.WALL) & (p.wall_normal[solid, self._up] > UPWARD)
+        if not under.any():
+            raise CaseError(f"probe '{self._name}': no floor under it looks up; move it aside")
         return float(p.position[solid, self._up][under].max() + 0.5 * self._d0)
 
 
@@ -155,6 +161,8 @@ class PatchPressure:
     def __init__(self, probe: PressureProbe, case: tables.Case, particles: Particles) -> None:
         assert probe.size is not None
         faces = wall_faces(case, particles, probe.wall)
+        if len(faces.position) == 0:
+            raise CaseError(f"probe '{probe.name}': nothing of {probe.wall} is open to the fluid")
         place = np.array([probe.x, probe.y, probe.z or 0.0])
         center, distance = nearest_on(faces, place, case)
         if distance > (1.0 + 1e-6) * case.particles.spacing:
@@ -372,7 +380,12 @@ def _section_meanings(dimension: int) -> list[tuple[str, str]]:
 
 def _pressure_on(faces: Faces, case: tables.Case, state: State) -> Floats:
     p, rows = state.particles, state.particles.fluid
-    return face_pressure(faces, case, p.position[rows], p.pressure[rows], p.density[rows])
+    pressure = p.pressure[rows]
+    if isinstance(case.scheme, tables.ExplicitScheme):
+        # there walls return the pressure of colliding grains too; in two dimensions that of resting
+        # grains is a part of the whole
+        pressure = pressure + p.grain_pressure[rows]
+    return face_pressure(faces, case, p.position[rows], pressure, p.density[rows])
 
 
 def _wetted_width(y: Floats, d0: float) -> float:

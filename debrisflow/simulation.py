@@ -60,10 +60,11 @@ def simulate(
 
     Raises
     ------
-    OutputError, DivergedError
+    CaseError, OutputError, DivergedError
     """
+    state = initial_state(case)
+    probe_measures(case, state.particles)  # what is wrong with a probe, before a folder is touched
     with RunFolder.create(folder, case, overwrite) as results:
-        state = initial_state(case)
         run = _Run(case, results, state, threads)
         run.scheme.fill_number_density(state)
         run.write(0)

@@ -332,3 +332,16 @@ def test_a_tank_that_has_lost_all_its_fluid_is_observed_and_stepped():
     advance(scheme, state, steps=scheme.REFRESH + 1)
     assert p.fluid_count == 0
     assert state.left.sum() > 0
+
+
+@compiled
+def test_fluid_that_runs_over_rim_and_pier_leaves_and_goes_through_no_wall():
+    pier = PILLAR | {"x": [0.6, 0.8], "y": [0.0, 0.2], "z": [0.0, 0.4]}
+    block = {"type": "block", "x": [0.0, 0.4], "y": [0.0, 0.3], "z": [0.0, 0.4]}
+    fill = [block | {"material": "water", "velocity": [3.0, 0.0, 2.0]}]
+    scheme, state = started(
+        tank3d_case(size=(1.0, 0.3, 0.4), fill=fill, obstacle=[pier], particles={"spacing": D0})
+    )
+    advance(scheme, state, until=0.5)
+    assert state.left.sum() > 20
+    assert state.through_wall.sum() == 0

@@ -43,12 +43,18 @@ def nearest_of_box(points, lower, upper):
 @pytest.mark.parametrize("size", [(0.8, 0.6, 1.0), (1.1, 0.9, 0.5)])
 def test_walls_of_a_tank_point_to_the_nearest_point_of_its_space(size):
     points = geometry.walls(tank3d_case(size=size, z=(0.0, 0.5)))
-    out = nearest_of_box(points.position, np.zeros(3), [*size[:2], np.inf])
-    depth = np.linalg.norm(out, axis=1)
-    np.testing.assert_allclose(points.depth, depth, atol=1e-12)
-    np.testing.assert_allclose(points.normal, out / depth[:, None], atol=1e-12)
-    rings = np.rint(np.abs(out).max(axis=1) / D0 + 0.5)
-    np.testing.assert_array_equal(points.layer, rings)
+    inwards = nearest_of_box(points.position, np.zeros(3), [*size[:2], np.inf])
+    over_rim = np.zeros_like(inwards)
+    over_rim[:, 2] = size[2] - points.position[:, 2]
+    over_rim[over_rim[:, 2] > 2.6 * D0, 2] = np.inf  # farther than the layers reach
+    lengths = [np.linalg.norm(way, axis=1) for way in (inwards, over_rim)]
+    np.testing.assert_allclose(points.depth, np.minimum(*lengths), atol=1e-12)
+    tied = np.abs(lengths[0] - lengths[1]) < 1e-9
+    out = np.where((lengths[0] < lengths[1])[:, None], inwards, over_rim)[~tied]
+    normal = out / np.linalg.norm(out, axis=1, keepdims=True)
+    np.testing.assert_allclose(points.normal[~tied], normal, atol=1e-12)
+    rings = np.minimum(np.abs(inwards).max(axis=1), over_rim[:, 2])
+    np.testing.assert_array_equal(points.layer, np.rint(rings / D0 + 0.5))
     assert points.layer.max() == 3
     # a corner: three walls at once
     assert np.any(np.all(np.abs(points.normal) > 0.5, axis=1))

@@ -16,7 +16,7 @@ from debrisflow.output import RunFolder
 from debrisflow.probes import probe_measures
 from debrisflow.state import initial_state
 from debrisflow.vtu import FOLDER
-from tests.building import bed_case, tank_case
+from tests.building import bed_case, tank3d_case, tank_case
 
 PROBES = (
     {"name": "level", "type": "height", "interval": 0.004, "x": 0.5},
@@ -117,3 +117,23 @@ def test_a_place_off_a_wall_that_only_the_run_knows_is_told():
 def test_a_probe_without_a_section_asks_for_no_counting():
     case = tank_case(4, 4, "water", probe=PROBES[:1])
     assert initial_state(case).crossed.shape == (0, 3)
+
+
+def test_a_probe_on_a_hidden_wall_is_told_before_results_are_replaced(whole, tmp_path):
+    folder = tmp_path / "kept"
+    shutil.copytree(whole, folder)
+    lid = {"name": "lid", "type": "box", "x": [0.0, 0.8], "y": [0.0, 0.6], "z": [0.0, 0.2]}
+    probe = {"name": "p", "type": "pressure", "interval": 0.1, "wall": "floor"}
+    case = tank3d_case(z=(0.2, 0.5), obstacle=[lid], probe=[probe | {"x": 0.4, "y": 0.3, "z": 0.0}])
+    with pytest.raises(CaseError, match="nothing of floor is open"):
+        simulation.simulate(case, folder, threads=1, overwrite=True)
+    assert (folder / "summary.json").is_file()
+
+
+def test_the_height_over_a_pier_as_high_as_its_tank_starts_at_its_top():
+    pier = {"name": "pier", "type": "box", "x": [0.4, 0.8], "y": [0.0, 0.6], "z": [0.0, 1.0]}
+    probe = {"name": "h", "type": "height", "interval": 0.1, "x": 0.6, "y": 0.3}
+    block = {"type": "block", "x": [0.0, 0.4], "y": [0.0, 0.6], "z": [0.0, 0.5]}
+    case = tank3d_case(obstacle=[pier], fill=[block | {"material": "water"}], probe=[probe])
+    state = initial_state(case)
+    assert probe_measures(case, state.particles)["h"].sample(state) == (0.0, 0.0)

@@ -31,6 +31,7 @@ from debrisflow.case.tables import (
 )
 
 RELAXATION_STEPS = 50
+LARGEST_DIFFUSION = 0.3
 LEAST_SOUND_RATIO = 10.0
 FEWEST_RELAXATION_STEPS = 10
 PROBE_SPACINGS = 2
@@ -171,7 +172,7 @@ def sound_speed(
     walls: Walls,
 ) -> float:
     """Return ten times the largest speed that a case gives or a free fall reaches, m/s."""
-    fall = fall_speed(fill, inflow, geometry, particles, gravity)
+    fall = fall_speed(fill, inflow, geometry, particles, gravity, to_floor=True)
     return LEAST_SOUND_RATIO * (fall + given_speed(fill, inflow, walls))
 
 

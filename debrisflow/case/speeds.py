@@ -6,7 +6,7 @@ from itertools import product
 from math import hypot, sqrt
 
 from debrisflow.case.regions import Geometry, Region, covered
-from debrisflow.case.tables import AnyFill, Bed, Gravity, Inflow, Particles, Walls
+from debrisflow.case.tables import AnyFill, Bed, Gravity, Inflow, Particles, Tank3D, Walls
 
 
 def given_speed(fill: tuple[AnyFill, ...], inflow: Inflow | None, walls: Walls) -> float:
@@ -28,9 +28,15 @@ def fall_speed(
     geometry: Geometry,
     particles: Particles,
     gravity: Gravity,
+    to_floor: bool = False,
 ) -> float:
-    """Return the speed of a free fall through the height of fills and supply, m/s."""
+    """Return the speed of a free fall through the height of fills and supply, m/s.
+
+    With ``to_floor``, in a tank of three dimensions, down to the lowest end of its floor.
+    """
     areas = [covered(part, geometry, particles) for part in fill]
+    if to_floor and areas and isinstance(geometry, Tank3D):
+        areas.append(Region((0.0, 0.0, 0.0), (geometry.length, geometry.width, 0.0)))
     if inflow is not None:
         areas.append(Region((0.0, 0.0), (0.0, inflow.depth)))
     along, upward = gravity.components

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from debrisflow.case.defaults import acoustic_step, sound_speed
+from debrisflow.case.defaults import (
+    FEWEST_RELAXATION_STEPS,
+    LARGEST_DIFFUSION,
+    acoustic_step,
+    sound_speed,
+)
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, Geometry, covered
 from debrisflow.case.tables import (
@@ -128,6 +133,14 @@ def step_below_acoustic(
     if time.largest_step is not None and time.largest_step > limit * (1 + TOLERANCE):
         message = f"above the acoustic limit, courant spacing / sound_speed = {limit:.3g} s"
         yield Problem("time.largest_step", message, time.largest_step)
+    if scheme.density_diffusion * scheme.courant > LARGEST_DIFFUSION:
+        largest = LARGEST_DIFFUSION / scheme.courant
+        message = f"times courant must be at most {LARGEST_DIFFUSION:g}: at most {largest:.3g}"
+        yield Problem("scheme.density_diffusion", message, scheme.density_diffusion)
+    slowest = FEWEST_RELAXATION_STEPS * (time.largest_step or limit)
+    if scheme.density_relaxation is not None and scheme.density_relaxation < slowest:
+        message = f"must be at least {FEWEST_RELAXATION_STEPS} time steps, {slowest:.3g} s"
+        yield Problem("scheme.density_relaxation", message, scheme.density_relaxation)
 
 
 CHECKS: tuple[Callable[..., Problems], ...] = (
