@@ -20,7 +20,7 @@ from debrisflow.pairs import (
     weight,
 )
 
-INTERIOR = 0.94  # n/n0 above which the density follows the particle number density
+INTERIOR = 0.94  # n/n0 above which the density follows the summed one
 SURFACE = 0.85  # n/n0 below which a particle is at a free surface and carries no pressure
 LEAST_COMPRESSION, GREATEST_COMPRESSION = -0.02, 0.5
 
@@ -126,18 +126,19 @@ def acceleration_at(i, fluid, solid, near, numbers):
 
     with P the pressure of fluid and grains and nu_ij the mean viscosity of the pair.  The sum form
     of the pressure conserves momentum, and is never attractive since P >= 0; the study's form (14)
-    is not needed then.  A wall neighbor has the pressure ``max(p_i + rho0 g . r_ij, 0)`` and
-    exchanges momentum by viscosity where it is no-slip; the artificial viscosity does not act on
-    walls, where it would be a drag that depends on the spacing.  Particles nearer than the
-    collision distance that approach exchange the impulse of a collision, from the same velocities
-    for both.
+    is not needed then.  A wall neighbor has the pressure ``max(p_i + rho0 g . r_ij, 0)`` of the
+    fluid and that of the grains of i, and exchanges momentum by viscosity where it is no-slip; the
+    artificial viscosity does not act on walls, where it would be a drag that depends on the
+    spacing.  Particles nearer than the collision distance that approach exchange the impulse of a
+    collision, from the same velocities for both.
     """
     position, velocity = fluid.position, fluid.velocity
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     rho, push, pull = numbers.density, numbers.gradient, numbers.laplacian
     damping = pull * numbers.artificial_viscosity * numbers.sound_speed * numbers.spacing
     near_by = 1.0 / numbers.collision_distance if numbers.collision_distance > 0.0 else np.inf
-    p_i, nu_i = fluid.total_pressure[i], fluid.viscosity[i]
+    total_i, nu_i = fluid.total_pressure[i], fluid.viscosity[i]
+    grains_i = total_i - fluid.pressure[i]
     ax, ay, az, cx, cy, cz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(near.fluid_count[i]):
         j = np.uint32(near.fluid[i, k])
@@ -146,7 +147,7 @@ def acceleration_at(i, fluid, solid, near, numbers):
         weighed = weight(inverse, numbers)
         du, dv, dw = velocity[j, 0] - u, velocity[j, 1] - v, velocity[j, 2] - w
         along = du * dx + dv * dy + dw * dz
-        p = p_i + fluid.total_pressure[j]
+        p = total_i + fluid.total_pressure[j]
         line = (damping * along - push * p / rho) * weighed * inverse * inverse
         drag = pull * 0.5 * (nu_i + fluid.viscosity[j]) * weighed
         ax += line * dx + drag * du
@@ -164,7 +165,7 @@ def acceleration_at(i, fluid, solid, near, numbers):
         inverse = inverse_distance(dx, dy, dz, numbers)
         weighed = weight(inverse, numbers)
         p_wall = max(fluid.pressure[i] + rho * (gx * dx + gy * dy + gz * dz), 0.0)
-        p = p_i + p_wall + fluid.total_pressure[i] - fluid.pressure[i]
+        p = total_i + p_wall + grains_i
         line = -push * p / rho * weighed * inverse * inverse
         height = height_over(dx, dy, dz, j, solid)
         du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, numbers)

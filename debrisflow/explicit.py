@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from time import perf_counter
-
 import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow import agitation, boundary, compressible, geometry, pairs
 from debrisflow.case import tables
+from debrisflow.case.defaults import LARGEST_PATH, VISCOUS_LIMIT
+from debrisflow.clock import Clock
 from debrisflow.errors import DivergedError
 from debrisflow.granular import Grains, radial_distribution
 from debrisflow.lattice import reference
@@ -22,8 +20,6 @@ from debrisflow.state import State
 
 Floats = NDArray[np.float64]
 LEAST_SKIN, GREATEST_SKIN = 0.15, 0.6  # spacings
-PATH = 0.2  # greatest path of a particle in a step, in spacings
-VISCOUS_LIMIT = 0.2  # of the step, in d0^2 / nu
 BLOCKS = 16
 
 
@@ -41,7 +37,7 @@ class Explicit:
 
     Attributes
     ----------
-    seconds : dict
+    seconds : Clock
         Wall time by phase of the step.
     """
 
@@ -56,7 +52,7 @@ class Explicit:
             case.dimension, case.particles.effective_radius, case.particles.spacing
         )
         self.domain = geometry.domain(case)
-        self.seconds: dict[str, float] = {}
+        self.seconds = Clock()
         self._set_material(case)
         self._set_numbers(case)
         self._near = Neighbors(
@@ -110,10 +106,10 @@ class Explicit:
 
     def observe(self, state: State) -> None:
         """Bring neighbors and granular stress up to the positions."""
-        with self._clock("neighbors"):
+        with self.seconds.of("neighbors"):
             self._observe_neighbors(state)
         if self._has_collisions:
-            with self._clock("grains"):
+            with self.seconds.of("grains"):
                 self._observe_grains(state)
         self._observed_step = state.step
 
@@ -130,7 +126,7 @@ class Explicit:
         d0, limits = self.lattice.spacing, [self.case.time.largest_step]
         speed, _ = self._survey(state, state.particles.velocity)
         if speed > 0.0:
-            limits.append(PATH * d0 / speed)
+            limits.append(LARGEST_PATH * d0 / speed)
         if self._has_collisions and self._total_viscosity.size:
             limits.append(VISCOUS_LIMIT * d0**2 / float(self._total_viscosity.max()))
             stiffness = (
@@ -138,7 +134,7 @@ class Explicit:
             )
             push = float(self._grain_pressure.max()) / self._density * stiffness
             if push > 0.0:
-                limits.append(PATH * d0 / float(np.sqrt(push)))
+                limits.append(LARGEST_PATH * d0 / float(np.sqrt(push)))
         return min(limits)
 
     def step(self, state: State, dt: float) -> int:
@@ -158,14 +154,14 @@ class Explicit:
             self.observe(state)
         p, rows = state.particles, state.particles.fluid
 
-        with self._clock("density"):
+        with self.seconds.of("density"):
             self._advance_density(state, dt)
-        with self._clock("forces"):
+        with self.seconds.of("forces"):
             velocity = np.empty((p.fluid_count, 3))
             compressible.advance_velocity(
                 dt, self._fluid(state), self._solid, self._list, self._numbers, velocity
             )
-        with self._clock("motion"):
+        with self.seconds.of("motion"):
             self._check(state, velocity)
             p.velocity[rows] = velocity
             compressible.move(dt, velocity, p.position[rows])
@@ -343,11 +339,3 @@ class Explicit:
             f"at t = {state.time:g} s, step {state.step}, particle {p.id[worst]} at "
             f"{p.position[worst]} m got the velocity {velocity[worst]} m/s"
         )
-
-    @contextmanager
-    def _clock(self, phase: str) -> Iterator[None]:
-        start = perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[phase] = self.seconds.get(phase, 0.0) + perf_counter() - start

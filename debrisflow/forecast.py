@@ -8,17 +8,16 @@ from math import ceil
 import numpy as np
 
 from debrisflow.case import Case
-from debrisflow.case.defaults import LEAST_SOUND_RATIO
+from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
 from debrisflow.case.estimate import particle_estimate, size
 from debrisflow.case.speeds import fall_speed, given_speed
-from debrisflow.case.tables import ExplicitScheme
+from debrisflow.case.tables import EXPLICIT_RADIUS, ExplicitScheme
 from debrisflow.lattice import Reference, reference
 from debrisflow.particles import Kind, seed
 
 # One fluid particle in a compressed particle file.  Walls take less: with random fields and three
 # particles in five fluid, 37 were measured.
 BYTES_ON_DISK = 60
-LARGEST_PATH = 0.2  # spacings that a particle moves in a step of the explicit scheme
 
 
 @dataclass(frozen=True)
@@ -93,11 +92,19 @@ class Forecast:
         kinds = ", ".join(f"{count:,} {kind}" for kind, count in self.counts.items())
         lattice = self.lattice
         sound = self.sound or "none: the semi-implicit scheme is incompressible"
+        radius = lattice.effective_radius / lattice.spacing
+        warning = ""
+        if self.sound and abs(radius - EXPLICIT_RADIUS) > 1e-6:
+            warning = (
+                f"\nwarning        effective_radius = {radius:g}: water at rest keeps its height "
+                f"at {EXPLICIT_RADIUS:g} only"
+            )
         return "\n".join(
             [
                 f"particles      {sum(self.counts.values()):,}: {kinds}",
                 f"lattice        n0 = {lattice.number_density:.4f}, "
-                f"lambda = {lattice.laplacian_lambda:.4g} m2, {lattice.neighbors} neighbors",
+                f"lambda = {lattice.laplacian_lambda:.4g} m2, {lattice.neighbors} neighbors"
+                + warning,
                 f"first step     {self.first_step:.3g} s",
                 f"largest speed  {self.largest_speed:.3g} m/s by free fall, "
                 f"there the step is {self.smallest_step:.3g} s",

@@ -274,10 +274,10 @@ def elastic_energy(
 ) -> float:
     """Return the energy that compression stores in the fluid, J; 0 if it is incompressible.
 
-    With the equation of state ``p = c^2 (rho - rho0)`` of the explicit scheme and
-    s = rho / rho0 - 1, a unit of mass stores
+    With p = rho0 c^2 s, the force ``-grad p / rho0`` and the continuity ``ds/dt = -(1 + s) div u``
+    of the explicit scheme, what motion loses to pressure a unit of mass stores as
 
-        e = integral of p / rho^2 d rho from rho0 to rho = c^2 [ln(1 + s) - s / (1 + s)],
+        e = integral of c^2 s / (1 + s) ds from 0 to s = c^2 [s - ln(1 + s)],
 
     about ``c^2 s^2 / 2``; nothing where s < 0, since the fluid bears no tension.
 
@@ -295,4 +295,4 @@ def elastic_energy(
     fluid = is_fluid(kind)
     s = np.maximum(compression[fluid], 0.0)
     mass = density[fluid] * particle_volume(case)
-    return case.scheme.sound_speed**2 * float(mass @ (np.log1p(s) - s / (1.0 + s)))
+    return case.scheme.sound_speed**2 * float(mass @ (s - np.log1p(s)))

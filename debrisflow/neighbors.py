@@ -241,6 +241,18 @@ def _largest_displacement(position, reference, period, partial):
         partial[block] = largest
 
 
+def _listed(
+    near: tuple[object, ...], index: NDArray[np.int32], count: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """Return the filled index: the given one, or a wider one if its rows were too short."""
+    while True:
+        _list(*near, index, count)
+        most = int(count.max(initial=0))
+        if most < index.shape[1]:
+            return index
+        index = np.zeros((len(index), most + most // 8 + 2), dtype=np.int32)
+
+
 class Neighbors:
     """Neighbors of the first ``rows`` particles, within the influence radius and a skin.
 
@@ -288,12 +300,7 @@ class Neighbors:
             self.count = np.zeros(rows, dtype=np.int32)
         cell, row = cells_of(position, cells), np.arange(rows, dtype=np.int32)
         near = True, position, cell, row, cells, self.radius**2
-        while True:
-            _list(*near, self.index, self.count)
-            most = int(self.count.max(initial=0))
-            if most < self.index.shape[1]:
-                break
-            self.index = np.zeros((rows, most + most // 8 + 2), dtype=np.int32)
+        self.index = _listed(near, self.index, self.count)
         self._reference = position.copy()
 
     def is_stale(self, position: Floats, rows: int) -> bool:
@@ -358,12 +365,7 @@ class FixedNeighbors:
             self.index = np.zeros((rows, self.index.shape[1]), dtype=np.int32)
         self.count = np.zeros(len(position), dtype=np.int32)
         near = False, position, cell, self.row, self._cells, self.radius**2
-        while True:
-            _list(*near, self.index, self.count)
-            most = int(self.count.max(initial=0))
-            if most < self.index.shape[1]:
-                break
-            self.index = np.zeros((rows, most + most // 8 + 2), dtype=np.int32)
+        self.index = _listed(near, self.index, self.count)
 
 
 def order_by_cell(position: Floats, width: float) -> NDArray[np.int64]:

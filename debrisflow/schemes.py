@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from time import perf_counter
-
 import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow import boundary, geometry, granular, momentum, operators, pressure
 from debrisflow.case import tables
+from debrisflow.clock import Clock
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.lattice import reference
 from debrisflow.linear import Solver, remove_mean
@@ -49,7 +46,7 @@ class SemiImplicit:
 
     Attributes
     ----------
-    seconds : dict
+    seconds : Clock
         Wall time by phase of the step.
     """
 
@@ -63,7 +60,7 @@ class SemiImplicit:
         self.domain = geometry.domain(case)
         self.gravity = gravity_vector(case)
         self._down = self.gravity / (np.linalg.norm(self.gravity) or 1.0)
-        self.seconds: dict[str, float] = {}
+        self.seconds = Clock()
         self._near = Neighbors(
             self.lattice.effective_radius, self.lattice.spacing, self.domain.period
         )
@@ -135,9 +132,9 @@ class SemiImplicit:
     def observe(self, state: State) -> None:
         """Bring neighbors, concentration, shear rate and granular state up to the positions."""
         p = state.particles
-        with self._clock("neighbors"):
+        with self.seconds.of("neighbors"):
             self._observe_neighbors(state)
-        with self._clock("grains"):
+        with self.seconds.of("grains"):
             self._observe_grains(p)
         self._observed_step = state.step
 
@@ -196,18 +193,18 @@ class SemiImplicit:
         p = state.particles
         solved = p.pressure.copy()
 
-        with self._clock("predictor"):
+        with self.seconds.of("predictor"):
             velocity = self._predict(p, dt)
         if self._slip is not None:
-            with self._clock("slip"):
+            with self.seconds.of("slip"):
                 self._slip.act(p, self._thrown, dt, velocity)
                 velocity[p.fluid] -= self._slip.velocity
-        with self._clock("predictor"):
+        with self.seconds.of("predictor"):
             velocity = self._collide(p, velocity)
 
         iterations = self._solve_pressure(p, velocity, dt, solved)
 
-        with self._clock("corrector"):
+        with self.seconds.of("corrector"):
             self._correct(p, velocity, dt, solved)
         if self._has_strength:
             self._balance_grains(p)
@@ -217,7 +214,7 @@ class SemiImplicit:
             velocity = self._rub(p, velocity, dt)
 
         self._check(state, velocity)
-        with self._clock("motion"):
+        with self.seconds.of("motion"):
             p.pressure[:] = solved
             p.velocity[p.fluid] = velocity[p.fluid]
             p.position[p.fluid] += dt * velocity[p.fluid]
@@ -367,7 +364,7 @@ class SemiImplicit:
 
     def _solve_pressure(self, p: Particles, velocity: Floats, dt: float, solved: Floats) -> int:
         m = p.unknown_count
-        with self._clock("pressure assembly"):
+        with self.seconds.of("pressure assembly"):
             pressure.assemble(
                 p.fluid_count,
                 velocity,
@@ -380,7 +377,7 @@ class SemiImplicit:
                 p.number_density[:m],
                 p.on_free_surface[:m],
             )
-        with self._clock("pressure solution"):
+        with self.seconds.of("pressure solution"):
             no_surface = remove_mean(self._room)
             iterations = self._pressure_solver.solve(self._room, solved[:m])
         if iterations < 0:
@@ -404,7 +401,7 @@ class SemiImplicit:
         """Solve the static pressure between the grains of the bed."""
         m = p.unknown_count
         submerged = self.case.sediment.density - self.case.water.density
-        with self._clock("grain pressure"):
+        with self.seconds.of("grain pressure"):
             granular.assemble_grain_pressure(
                 p.fluid_count,
                 self._level_concentration,
@@ -421,7 +418,7 @@ class SemiImplicit:
 
     def _exchange_momentum(self, p: Particles, velocity: Floats, dt: float) -> Floats:
         right = np.zeros((p.unknown_count, 3))
-        with self._clock("exchange of momentum"):
+        with self.seconds.of("exchange of momentum"):
             self._room.entries[p.fluid_count :] = 0
             momentum.assemble_exchange(
                 dt,
@@ -461,11 +458,3 @@ class SemiImplicit:
         slowed = velocity.copy()
         momentum.rub(dt, velocity, self._walls, self._stencil, slowed[p.fluid])
         return slowed
-
-    @contextmanager
-    def _clock(self, phase: str) -> Iterator[None]:
-        start = perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[phase] = self.seconds.get(phase, 0.0) + perf_counter() - start

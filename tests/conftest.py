@@ -1,8 +1,15 @@
-"""Case files that several tests start from."""
+"""Case files, and ways to end a run, that several tests start from."""
 
+import os
+import signal
 from pathlib import Path
 
 import pytest
+
+# Before Numba is imported: some tests compare the bits of two threads with those of one, which one
+# core can run too.
+if int(os.environ.get("NUMBA_NUM_THREADS", os.cpu_count() or 1)) < 2:
+    os.environ["NUMBA_NUM_THREADS"] = "2"
 
 TANK = """
 title = "a column of water"
@@ -53,3 +60,33 @@ def channel(tmp_path: Path) -> Path:
     path = tmp_path / "channel.toml"
     path.write_text(CHANNEL)
     return path
+
+
+@pytest.fixture
+def ends(monkeypatch: pytest.MonkeyPatch) -> list:
+    """Return a list that takes the last state of every run."""
+    from debrisflow import simulation
+
+    kept, conclude = [], simulation._Run._conclude
+
+    def conclude_and_keep(run, reason):
+        kept.append(run.state)
+        return conclude(run, reason)
+
+    monkeypatch.setattr(simulation._Run, "_conclude", conclude_and_keep)
+    return kept
+
+
+@pytest.fixture
+def interrupt(monkeypatch: pytest.MonkeyPatch):
+    """Return a function: from now on runs are interrupted at step 30, as by Ctrl-C."""
+    from debrisflow import simulation
+
+    write = simulation._Run.write
+
+    def write_and_interrupt(run, iterations):
+        write(run, iterations)
+        if run.state.step == 30:
+            signal.raise_signal(signal.SIGINT)
+
+    return lambda: monkeypatch.setattr(simulation._Run, "write", write_and_interrupt)

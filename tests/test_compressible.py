@@ -215,6 +215,20 @@ def test_dissipation_takes_energy_of_any_motion(fluid, part):
     assert np.sum(given * fluid.velocity) < -1e-3
 
 
+def test_what_pressure_takes_from_motion_is_stored_by_compression(fluid):
+    s = np.abs(fluid.compression)
+    calm = fluid_of(fluid.position, velocity=fluid.velocity, compression=s)
+    still = {"gravity": np.zeros(3), "artificial_viscosity": 0.0, "diffusion": 0.0}
+    numbers = numbers_of(LATTICE, **still)
+    pressed = calm._replace(pressure=numbers.density * numbers.sound_speed**2 * s)
+    pressed = pressed._replace(total_pressure=pressed.pressure)
+    given = rows(compressible.acceleration_at, pressed, NO_WALLS, **still)[:, :3]
+    rate = rows(compressible.density_rate_at, pressed, NO_WALLS, **still)[:, 2]
+    stored = numbers.sound_speed**2 * s / (1.0 + s) * rate
+    assert np.abs(stored).max() > 1.0
+    assert abs(np.sum(given * fluid.velocity) + stored.sum()) < EXACT * np.abs(stored).sum()
+
+
 def test_a_linear_pressure_is_exact_on_the_lattice(block, rng):
     slope, grains = 1e3 * rng.normal(size=(2, 3))
     fluid = fluid_of(block, pressure=5e3 + block @ slope, grain_pressure=3e3 + block @ grains)

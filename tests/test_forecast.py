@@ -15,6 +15,19 @@ def test_a_slow_speed_of_sound_is_warned_of():
     assert "scheme.sound_speed = 31.3 m/s would do" in str(told)
 
 
+def test_another_influence_radius_is_warned_of():
+    told = str(forecast(tank3d_case(particles={"effective_radius": 2.1})))
+    assert (
+        "warning        effective_radius = 2.1: water at rest keeps its height at 2.4 only" in told
+    )
+
+
+def test_the_speed_of_sound_follows_the_fall_to_the_floor():
+    told = forecast(tank3d_case(z=(0.5, 0.8)))
+    assert told.largest_speed == pytest.approx((2 * 9.81 * 0.8) ** 0.5)
+    assert told.sound.ratio == pytest.approx(10.0)
+
+
 def test_ten_times_the_speed_of_a_fall_is_fast_enough():
     told = forecast(tank3d_case())
     assert told.sound.ratio == pytest.approx(10.0)

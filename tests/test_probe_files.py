@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import shutil
-import signal
 
 import numpy as np
 import pytest
@@ -74,15 +73,8 @@ def test_what_goes_through_the_inlet_is_what_was_supplied_less_what_waits_before
     assert 0.0 < last["sediment_volume"] < last["volume"]
 
 
-def test_an_interrupted_run_writes_the_same_rows(whole, tmp_path, monkeypatch):
-    write = simulation._Run.write
-
-    def write_and_interrupt(run, iterations):
-        write(run, iterations)
-        if run.state.step == 30:
-            signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(simulation._Run, "write", write_and_interrupt)
+def test_an_interrupted_run_writes_the_same_rows(whole, tmp_path, interrupt):
+    interrupt()
     with pytest.raises(KeyboardInterrupt):
         simulation.simulate(probed(), tmp_path / "broken", threads=1)
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")

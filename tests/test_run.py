@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import signal
 
 import numpy as np
 import pytest
@@ -69,24 +68,10 @@ def test_a_time_step_that_collapses_ends_the_run(tmp_path, monkeypatch):
     assert checkpoint.load(tmp_path / "run" / "checkpoint.h5").step == 0
 
 
-def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, monkeypatch):
+def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, ends, interrupt):
     case = bed_case(time={"end": 0.15}, output={"interval": 0.05})
-    ends, conclude = [], simulation._Run._conclude
-
-    def conclude_and_keep(run, reason):
-        ends.append(run.state)
-        return conclude(run, reason)
-
-    monkeypatch.setattr(simulation._Run, "_conclude", conclude_and_keep)
     simulation.simulate(case, tmp_path / "whole")
-    write = simulation._Run.write
-
-    def write_and_interrupt(run, iterations):
-        write(run, iterations)
-        if run.state.step == 30:
-            signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(simulation._Run, "write", write_and_interrupt)
+    interrupt()
     with pytest.raises(KeyboardInterrupt):
         simulation.simulate(case, tmp_path / "broken")
     stopped = checkpoint.load(tmp_path / "broken" / "checkpoint.h5")

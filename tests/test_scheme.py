@@ -7,7 +7,6 @@ import sys
 from functools import partial
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 
@@ -34,9 +33,6 @@ from tests.building import (
 )
 from tests.test_checkpoint import identical
 
-# hundreds of whole steps: the same code runs, compiled, in every run without coverage of kernels
-compiled = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="takes minutes without the JIT")
-
 
 @pytest.fixture
 def rng():
@@ -56,7 +52,6 @@ def exchanges(monkeypatch):
     return counts
 
 
-@compiled
 def test_a_step_that_fails_leaves_the_state_as_it_was(monkeypatch):
     scheme, state = started(settling_case())
     advance(scheme, state, steps=45)
@@ -102,7 +97,6 @@ def noise_of(state, gravity):
     return energy_of(p.density[p.fluid], p.velocity[p.fluid] - gravity * state.time)
 
 
-@compiled
 @pytest.mark.parametrize(
     "tables",
     [{}, {"scheme": {"form": "study"}}, {"collision_stress": {"enabled": True}}],
@@ -119,7 +113,6 @@ def test_a_free_drop_gains_the_momentum_of_gravity_alone(rng, tables):
     assert noise_of(state, scheme.gravity) < 0.6 * noise
 
 
-@compiled
 @pytest.mark.parametrize(
     "tables",
     [
@@ -162,7 +155,6 @@ def slip_of(particles):
     return along[is_rock].mean() - along[~is_rock].mean()
 
 
-@compiled
 def test_drag_brings_phases_that_pass_each_other_to_a_common_velocity():
     # du/dt = -K(u) [(1 - C) / rho_s + C / rho_l] u, in steps so small that the order is no matter
     c, start, dt = 0.3, 0.2, 1e-5
@@ -181,7 +173,6 @@ def test_drag_brings_phases_that_pass_each_other_to_a_common_velocity():
         assert slip_of(p) == pytest.approx(exact, abs=0.1 * start)
 
 
-@compiled
 def test_without_a_law_of_drag_nothing_slips():
     scheme, state = passing_phases("none")
     places = state.particles.position[state.particles.fluid].copy()
@@ -256,9 +247,6 @@ def dam_break(**tables):
     return tank_case(75, 80, "water", (150, 100), **tables)
 
 
-@compiled
-# with one core there is no second thread whose bits could be compared
-@pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="needs two threads")
 @pytest.mark.parametrize("case", [dam_break, bed_case, settling_case])
 def test_two_threads_compute_the_same_bits_as_one(case, exchanges):
     states = []
@@ -275,7 +263,6 @@ def test_two_threads_compute_the_same_bits_as_one(case, exchanges):
     assert identical(*states)
 
 
-@compiled
 @pytest.mark.parametrize(
     ("case", "multigrid_from", "multigrid_below"),
     [
@@ -287,17 +274,10 @@ def test_two_threads_compute_the_same_bits_as_one(case, exchanges):
     ids=["dam_break", "bed", "bed with multigrid in all systems", "settling"],
 )
 def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
-    case, multigrid_from, multigrid_below, tmp_path, monkeypatch, exchanges
+    case, multigrid_from, multigrid_below, tmp_path, monkeypatch, exchanges, ends
 ):
     monkeypatch.setattr(Solver, "MULTIGRID_FROM", multigrid_from)
     monkeypatch.setattr(Solver, "MULTIGRID_BELOW", multigrid_below)
-    ends, conclude = [], simulation._Run._conclude
-
-    def conclude_and_keep(run, reason):
-        ends.append(run.state)
-        return conclude(run, reason)
-
-    monkeypatch.setattr(simulation._Run, "_conclude", conclude_and_keep)
     whole, rest = tmp_path / "whole", tmp_path / "rest"
     simulation.simulate(case(time={"end": 0.08}, output={"interval": 0.02}), whole)
     shutil.copytree(whole, rest)
@@ -314,7 +294,6 @@ def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
         assert (whole / name).read_bytes() == (rest / name).read_bytes(), name
 
 
-@compiled
 def test_still_water_stays_in_its_tank():
     scheme, state = started(tank_case(20, 15, "water"))
     advance(scheme, state, until=0.25)
@@ -326,7 +305,6 @@ def test_still_water_stays_in_its_tank():
     assert np.abs(p.velocity[p.fluid]).max() < np.sqrt(2 * 9.81 * 0.01)
 
 
-@compiled
 def test_a_channel_may_be_empty_until_its_supply_arrives():
     case = bed_case()
     scheme, state = started(case.model_copy(update={"fill": ()}))
@@ -356,7 +334,6 @@ advance(*started(tank3d_case(fill=[block], collision_stress={"enabled": True})),
 """
 
 
-@compiled
 @pytest.mark.parametrize(
     ("work", "is_fresh"),
     [(DENSITY, True), (STEPS, False), (EXPLICIT_STEPS, False)],

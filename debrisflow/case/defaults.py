@@ -32,6 +32,8 @@ from debrisflow.case.tables import (
 
 RELAXATION_STEPS = 50
 LARGEST_DIFFUSION = 0.3
+LARGEST_PATH = 0.2  # spacings that a particle moves in a step of the explicit scheme
+VISCOUS_LIMIT = 0.2  # of an explicit step, in d0^2 / nu
 LEAST_SOUND_RATIO = 10.0
 FEWEST_RELAXATION_STEPS = 10
 PROBE_SPACINGS = 2
@@ -99,7 +101,7 @@ def viscous_limits(
         "mixture": (mixed_density, mixture.viscosity),
     }
     return {
-        phase: 0.2 * particles.spacing * particles.spacing * density / viscosity
+        phase: VISCOUS_LIMIT * particles.spacing * particles.spacing * density / viscosity
         for phase, (density, viscosity) in properties.items()
         if viscosity > 0 and phase in phases(fill, inflow)
     }

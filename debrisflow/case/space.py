@@ -279,9 +279,22 @@ def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
         yield Problem(key, message, wall.velocity)
 
 
-def _walls_present(geometry: Tank | Channel) -> dict[str, bool]:
+def walls_there(walls: Walls, geometry: Geometry) -> Problems:
+    """Check that nothing is said of a wall that a geometry has not."""
+    present = _walls_present(geometry)
+    for name, wall in walls:
+        for field in ("slip", "roughness"):
+            if not present[name] and was_set(wall, field):
+                message = f"there is no {name} wall in this {geometry.type}"
+                yield Problem(f"walls.{name}.{field}", message, getattr(wall, field))
+
+
+def _walls_present(geometry: Geometry) -> dict[str, bool]:
     """Tell which of the named walls a geometry has."""
     closed = not geometry.periodic
+    if isinstance(geometry, Tank3D):
+        sides = {"left": True, "right": True, "front": closed, "back": closed}
+        return {"floor": True, "bed": False, "ceiling": False} | sides
     tank = isinstance(geometry, Tank)
     return {
         "floor": True,
@@ -305,4 +318,5 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     fills_inside,
     fills_apart,
     walls_that_drag,
+    walls_there,
 )

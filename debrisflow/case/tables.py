@@ -15,6 +15,8 @@ from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
 from debrisflow.case.probes import AnyProbe
 
+EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
+
 
 class Particles(Table):
     """How the continuum is cut into particles."""
@@ -404,7 +406,7 @@ def follow_dimension(data: Any) -> Any:
         return data
     data = dict(data)
     for name, defaults in (
-        ("particles", {"effective_radius": 2.4}),
+        ("particles", {"effective_radius": EXPLICIT_RADIUS}),
         ("scheme", {"type": "explicit"}),
     ):
         given = data.get(name, {})

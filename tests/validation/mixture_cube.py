@@ -28,7 +28,7 @@ class Cube:
     thin : float
         Share of the particles with n < 0.8 n0 then.
     height : float, m
-        Greatest z of a particle until then; it is that of the start unless some are thrown up.
+        Greatest z of a particle then.
     energy : float
         Greatest kinetic, potential and elastic energy over that at the start.
     through_wall : int
@@ -57,10 +57,9 @@ def run(concentration: float | None, end: float = 2.0, overrides: tuple[str, ...
         p = state.particles
         total = energy(case, state)
         start, greatest = start or total, max(greatest, total)
-        if front == 0.0:
-            height = max(height, float(p.position[p.fluid, 2].max()))
         if state.time >= FRONT_TIME and front == 0.0:
             x = p.position[p.fluid, 0]
             front = float(np.quantile(x, FRONT_SHARE, method="inverted_cdf"))
+            height = float(p.position[p.fluid, 2].max())
             thin = float(np.mean(p.number_density[p.fluid] < least))
     return Cube(front, thin, height, greatest / start, int(state.through_wall.sum()))
