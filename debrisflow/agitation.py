@@ -87,39 +87,85 @@ def capped_temperature(temperature, c, grains, numbers):
     mostly scatter of the particles; above the limit the pressure made of it makes more of it than
     the artificial viscosity takes away, and at C = 0.5 the fluid blows up.
     """
-    pushed = granular_pressure(c, 1.0, grains)
+    pushed = max(granular_pressure(c, 1.0, grains), 1e-9)
     limit = CAP * numbers.sound_speed * numbers.density / pushed
     return min(temperature, limit * limit / 3.0)
 
 
 @kernel
-def _stir(first, last, is_algebraic, fluid, solid, near, c, grains, numbers, temperature):
+def _shear_rates(first, last, fluid, solid, near, numbers, rate):
     for i in range(first, last):
-        if is_algebraic:
-            rate = shear_rate_at(i, fluid, solid, near, numbers)
-            temperature[i] = algebraic_temperature(rate, grains)
-        else:
-            agitation = agitation_at(i, fluid, near, numbers)
-            temperature[i] = capped_temperature(agitation, c, grains, numbers)
+        rate[i] = shear_rate_at(i, fluid, solid, near, numbers)
 
 
 @loop
-def stir(is_algebraic, fluid, solid, near, c, grains, numbers, temperature):
-    """Write the granular temperature of every fluid particle, (n,) float64 array, m2/s2."""
+def shear_rates(fluid, solid, near, numbers, rate):
+    """Write the shear rate of every particle, (n,) float64 array, 1/s."""
+    for block in prange((rate.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, rate.size)
+        _shear_rates(first, last, fluid, solid, near, numbers, rate)
+
+
+@loop
+def algebraic_temperatures(rate, grains, temperature):
+    """Write the granular temperature that the shear rate makes, (n,) float64 array, m2/s2."""
+    for i in prange(temperature.size):
+        temperature[i] = algebraic_temperature(rate[i], grains)
+
+
+@kernel
+def _neighborhood_temperatures(first, last, fluid, near, c, grains, numbers, temperature):
+    for i in range(first, last):
+        agitation = agitation_at(i, fluid, near, numbers)
+        temperature[i] = capped_temperature(agitation, c[i], grains, numbers)
+
+
+@loop
+def neighborhood_temperatures(fluid, near, c, grains, numbers, temperature):
+    """Write the study's granular temperature of every particle, (n,) float64 array, m2/s2."""
     for block in prange((temperature.size + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, temperature.size)
-        _stir(first, last, is_algebraic, fluid, solid, near, c, grains, numbers, temperature)
+        _neighborhood_temperatures(first, last, fluid, near, c, grains, numbers, temperature)
+
+
+@kernel
+def _concentrations(first, last, fraction, down, fluid, near, numbers, around, at_level):
+    position = fluid.position
+    for i in range(first, last):
+        total, share, level_total, level_share = 2.0, 2.0 * fraction[i], 2.0, 2.0 * fraction[i]
+        for k in range(near.fluid_count[i]):
+            j = np.uint32(near.fluid[i, k])
+            dx, dy, dz = separation(i, j, position, position, near.period)
+            inverse = inverse_distance(dx, dy, dz, numbers)
+            w = weight(inverse, numbers)
+            below = inverse * (down[0] * dx + down[1] * dy + down[2] * dz)
+            aside = w * (1.0 - below * below)
+            total, share = total + w, share + w * fraction[j]
+            level_total, level_share = level_total + aside, level_share + aside * fraction[j]
+        around[i] = share / total
+        at_level[i] = level_share / level_total
 
 
 @loop
-def collide_grains(c, viscosity, grains, numbers, n, temperature, grain_pressure, total_viscosity):
-    """Write pressure, Pa, and kinematic viscosity, m2/s, of the fluid with its colliding grains.
+def concentrations(fraction, down, fluid, near, numbers, around, at_level):
+    """Write the share of sediment around and at the level of every particle, (n,) float64 arrays.
+
+    The weights of :func:`debrisflow.granular.concentration` and of
+    :func:`debrisflow.granular.level_concentration`, which says what each is for.
+    """
+    for block in prange((around.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, around.size)
+        _concentrations(first, last, fraction, down, fluid, near, numbers, around, at_level)
+
+
+@loop
+def collide_grains(c, grains, n0, n, temperature, pressure, viscosity):
+    """Write the pressure, Pa, and add the viscosity, Pa s, of colliding grains, (n,) float64 arrays.
 
     The pressure fades from n = n0 to 0.8 n0: at a free surface it would throw out the particles,
-    which then hang as sheets.  ``viscosity`` is the Newtonian part.
+    which then hang as sheets.
     """
     for i in prange(n.size):
-        inside = min(max(5.0 * (n[i] / numbers.number_density - 0.8), 0.0), 1.0)
-        grain_pressure[i] = inside * granular_pressure(c, temperature[i], grains)
-        collisions = granular_viscosity(c, temperature[i], grains)
-        total_viscosity[i] = viscosity + collisions / numbers.density
+        inside = min(max(5.0 * (n[i] / n0 - 0.8), 0.0), 1.0)
+        pressure[i] = inside * granular_pressure(c[i], temperature[i], grains)
+        viscosity[i] += granular_viscosity(c[i], temperature[i], grains)

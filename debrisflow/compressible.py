@@ -12,6 +12,7 @@ from debrisflow._jit import kernel, loop
 from debrisflow.operators import face_towards
 from debrisflow.pairs import (
     BLOCK,
+    density_of,
     height_over,
     inverse_distance,
     separation,
@@ -30,10 +31,11 @@ def density_rate_at(i, fluid, solid, near, numbers):
     """Return n / n0, the compression that the summed density tells, and ds/dt, 1/s.
 
         ds/dt = -(1 + s) (Ds/n0) sum of u_ij . r_ij w / r^2
-                + delta c d0 (2 Ds/(lambda n0)) sum of [s_j - s_i - g . r_ij / c^2] w
+                + delta c d0 (2 Ds/(lambda n0)) sum of [s_j - s_i - (rho_ij/rho0) g . r_ij / c^2] w
 
     The first sum, continuity, is over fluid and walls; the second, over fluid, evens out noise
-    but not the hydrostatic part, which would make the fluid sink.
+    but not the hydrostatic part, which would make the fluid sink; rho_ij is the mean density of the
+    pair.
 
     References
     ----------
@@ -42,9 +44,13 @@ def density_rate_at(i, fluid, solid, near, numbers):
     """
     position, velocity, s = fluid.position, fluid.velocity, fluid.compression
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    c2 = numbers.sound_speed * numbers.sound_speed
-    gx, gy, gz = numbers.gravity[0] / c2, numbers.gravity[1] / c2, numbers.gravity[2] / c2
-    s_i = s[i]
+    stiff = 2.0 * numbers.density * numbers.sound_speed * numbers.sound_speed
+    gx, gy, gz = (
+        numbers.gravity[0] / stiff,
+        numbers.gravity[1] / stiff,
+        numbers.gravity[2] / stiff,
+    )
+    s_i, rho_i = s[i], density_of(i, fluid.density, numbers)
     n, m, flow, difference = 0.0, 1.0, 0.0, 0.0
     for k in range(near.fluid_count[i]):
         j = np.uint32(near.fluid[i, k])
@@ -56,7 +62,8 @@ def density_rate_at(i, fluid, solid, near, numbers):
         m += smooth_weight(weighed, r2, inverse, numbers)
         along = (velocity[j, 0] - u) * dx + (velocity[j, 1] - v) * dy + (velocity[j, 2] - w) * dz
         flow += along * weighed * inverse * inverse
-        difference += (s[j] - s_i - gx * dx - gy * dy - gz * dz) * weighed
+        heavy = density_of(j, fluid.density, numbers) + rho_i
+        difference += (s[j] - s_i - heavy * (gx * dx + gy * dy + gz * dz)) * weighed
     for k in range(near.wall_count[i]):
         j = np.uint32(near.wall[near.wall_row[i], k])
         dx, dy, dz = separation(i, j, position, solid.position, near.period)
@@ -93,7 +100,10 @@ def new_compression(s, rate, n, summed, relaxation, dt):
 
 @kernel
 def state_pressure(s, numbers):
-    """Return ``p = rho0 c^2 max(s, 0)``, the integral of equation (12), Pa."""
+    """Return ``p = rho0 c^2 max(s, 0)``, the integral of equation (12), Pa.
+
+    All matter is as stiff, whatever its density, so that s is continuous where p is.
+    """
     return numbers.density * numbers.sound_speed * numbers.sound_speed * max(s, 0.0)
 
 
@@ -134,10 +144,10 @@ def acceleration_at(i, fluid, solid, near, numbers):
     """
     position, velocity = fluid.position, fluid.velocity
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    rho, push, pull = numbers.density, numbers.gradient, numbers.laplacian
-    damping = pull * numbers.artificial_viscosity * numbers.sound_speed * numbers.spacing
+    rho, push, pull = density_of(i, fluid.density, numbers), numbers.gradient, numbers.laplacian
+    damping = 0.5 * pull * numbers.artificial_viscosity * numbers.sound_speed * numbers.spacing
     near_by = 1.0 / numbers.collision_distance if numbers.collision_distance > 0.0 else np.inf
-    total_i, nu_i = fluid.total_pressure[i], fluid.viscosity[i]
+    total_i, mu_i = fluid.total_pressure[i], fluid.viscosity[i]
     grains_i = total_i - fluid.pressure[i]
     ax, ay, az, cx, cy, cz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(near.fluid_count[i]):
@@ -148,12 +158,14 @@ def acceleration_at(i, fluid, solid, near, numbers):
         du, dv, dw = velocity[j, 0] - u, velocity[j, 1] - v, velocity[j, 2] - w
         along = du * dx + dv * dy + dw * dz
         p = total_i + fluid.total_pressure[j]
-        line = (damping * along - push * p / rho) * weighed * inverse * inverse
-        drag = pull * 0.5 * (nu_i + fluid.viscosity[j]) * weighed
+        rho_j = density_of(j, fluid.density, numbers)
+        line = (damping * (rho + rho_j) * along - push * p) * weighed * inverse * inverse
+        drag = 0.5 * pull * (mu_i + fluid.viscosity[j]) * weighed
         ax += line * dx + drag * du
         ay += line * dy + drag * dv
         az += line * dz + drag * dw
         hit = min(along, 0.0) * inverse * inverse if inverse > near_by else 0.0
+        hit *= 2.0 * rho_j / (rho + rho_j)
         cx += hit * dx
         cy += hit * dy
         cz += hit * dz
@@ -166,16 +178,17 @@ def acceleration_at(i, fluid, solid, near, numbers):
         weighed = weight(inverse, numbers)
         p_wall = max(fluid.pressure[i] + rho * (gx * dx + gy * dy + gz * dz), 0.0)
         p = total_i + p_wall + grains_i
-        line = -push * p / rho * weighed * inverse * inverse
+        line = -push * p * weighed * inverse * inverse
         height = height_over(dx, dy, dz, j, solid)
         du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, numbers)
-        drag = pull * nu_i * weighed * (1.0 - solid.slip[j])
+        drag = pull * mu_i * weighed * (1.0 - solid.slip[j])
         contacts += 1.0 if height < solid.contact_height[j] else 0.0
         ax += line * dx + drag * du
         ay += line * dy + drag * dv
         az += line * dz + drag * dw
     share = 0.5 * (1.0 + numbers.restitution)
-    return ax + gx, ay + gy, az + gz, share * cx, share * cy, share * cz, contacts
+    ax, ay, az = ax / rho + gx, ay / rho + gy, az / rho + gz
+    return ax, ay, az, share * cx, share * cy, share * cz, contacts
 
 
 @kernel

@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow import agitation, boundary, compressible, geometry, pairs
+from debrisflow import boundary, compressible, geometry, pairs
 from debrisflow.case import tables
-from debrisflow.case.defaults import LARGEST_PATH, VISCOUS_LIMIT
+from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.clock import Clock
 from debrisflow.errors import DivergedError
-from debrisflow.granular import Grains, radial_distribution
 from debrisflow.lattice import reference
 from debrisflow.measures import gravity_vector
 from debrisflow.neighbors import FixedNeighbors, Neighbors, order_by_cell
 from debrisflow.operators import WallSurface
 from debrisflow.particles import Kind
+from debrisflow.laws import mixture_density
+from debrisflow.resistance import Resistance, concentrations
 from debrisflow.state import State
 
 Floats = NDArray[np.float64]
@@ -28,7 +29,10 @@ class Explicit:
 
         s' = s + dt ds/dt(r, u),  p = rho0 c^2 s',  u' = u + dt a(r, u, p),  r' = r + dt u'
 
-    One kind of particle stands for water or mixture, of density rho0.
+    Each particle stands for water or for a mixture.  With a strength law, and so with a viscosity
+    that has no bound, momentum is exchanged implicitly between forces and motion:
+
+        (1 + dt K / rho) u' = u + dt a(r, u, p)
 
     Parameters
     ----------
@@ -53,32 +57,14 @@ class Explicit:
         )
         self.domain = geometry.domain(case)
         self.seconds = Clock()
-        self._set_material(case)
+        self._is_even = len(concentrations(case)) == 1
         self._set_numbers(case)
+        self._resistance = Resistance(case, self._numbers)
         self._near = Neighbors(
             self.lattice.effective_radius, self.lattice.spacing, self.domain.period
         )
         self._near_walls: FixedNeighbors | None = None
-        self._grain_pressure = self._total_viscosity = np.zeros(0)
         self._observed_step = -1
-
-    def _set_material(self, case: tables.Case) -> None:
-        is_mixture = any(part.material == "mixture" for part in case.fill)
-        share = case.mixture.concentration if is_mixture else 0.0
-        self._density = case.water.density + share * (case.sediment.density - case.water.density)
-        given = case.mixture.viscosity if is_mixture else case.water.viscosity
-        self._viscosity = given / self._density
-        self._grains = Grains(
-            case.sediment.density,
-            case.sediment.grain_diameter,
-            case.sediment.restitution,
-            case.sediment.packing_limit,
-            case.collision_stress.largest_concentration,
-        )
-        stress = case.collision_stress
-        self._concentration = min(share, stress.largest_concentration)
-        self._has_collisions = stress.enabled and self._concentration > 0.0
-        self._is_algebraic = stress.granular_temperature == "algebraic"
 
     def _set_numbers(self, case: tables.Case) -> None:
         lattice, scheme = self.lattice, self.scheme
@@ -94,7 +80,7 @@ class Explicit:
             laplacian=2.0 * dimension / (lattice.laplacian_lambda * lattice.number_density),
             smooth_density=lattice.smooth_density,
             smooth_steepness=lattice.smooth_steepness,
-            density=self._density,
+            density=max(mixture_density(case, c) for c in concentrations(case)),
             sound_speed=scheme.sound_speed,
             gravity=gravity_vector(case),
             diffusion=scheme.density_diffusion,
@@ -108,15 +94,16 @@ class Explicit:
         """Bring neighbors and granular stress up to the positions."""
         with self.seconds.of("neighbors"):
             self._observe_neighbors(state)
-        if self._has_collisions:
-            with self.seconds.of("grains"):
-                self._observe_grains(state)
+        with self.seconds.of("resistance"):
+            fluid = self._fluid(state)
+            self._resistance.observe(state.particles, fluid, self._solid, self._list)
         self._observed_step = state.step
 
     def fill_number_density(self, state: State) -> None:
         """Write number density and pressure of a state that no step has seen yet."""
         self.observe(state)
-        self._advance_density(state, 0.0)
+        p = state.particles
+        p.compression[p.moving] = self._advance_density(state, 0.0)
 
     def stable_dt(self, state: State) -> float:
         """Return the greatest time step, s, that the state allows."""
@@ -127,14 +114,7 @@ class Explicit:
         speed, _ = self._survey(state, state.particles.velocity)
         if speed > 0.0:
             limits.append(LARGEST_PATH * d0 / speed)
-        if self._has_collisions and self._total_viscosity.size:
-            limits.append(VISCOUS_LIMIT * d0**2 / float(self._total_viscosity.max()))
-            stiffness = (
-                2.0 + radial_distribution(self._concentration, self._grains.packing_limit) / 3.0
-            )
-            push = float(self._grain_pressure.max()) / self._density * stiffness
-            if push > 0.0:
-                limits.append(LARGEST_PATH * d0 / float(np.sqrt(push)))
+        limits += self._resistance.step_limits(state.particles)
         return min(limits)
 
     def step(self, state: State, dt: float) -> int:
@@ -143,33 +123,43 @@ class Explicit:
         Returns
         -------
         int
-            0, the number of iterations of a pressure equation that there is not.
+            Iterations of the implicit exchange of momentum, 0 where there is none.
 
         Raises
         ------
+        NotConvergedError
+            If the exchange of momentum was not solved.
         DivergedError
-            If a velocity is not finite.  Positions and velocities are then as before.
+            If a velocity is not finite.  Positions and velocities are then as before in both cases.
         """
         if self._observed_step != state.step:
             self.observe(state)
         p, rows = state.particles, state.particles.fluid
+        iterations = 0
 
         with self.seconds.of("density"):
-            self._advance_density(state, dt)
+            compression = self._advance_density(state, dt)
         with self.seconds.of("forces"):
-            velocity = np.empty((p.fluid_count, 3))
+            velocity = p.velocity[p.moving].copy()
             compressible.advance_velocity(
-                dt, self._fluid(state), self._solid, self._list, self._numbers, velocity
+                dt, self._fluid(state), self._solid, self._list, self._numbers, velocity[rows]
             )
+        if self._resistance.is_implicit:
+            with self.seconds.of("exchange of momentum"):
+                iterations = self._resistance.exchange(
+                    p, dt, self._fluid(state), self._solid, self._list, velocity
+                )
         with self.seconds.of("motion"):
-            self._check(state, velocity)
-            p.velocity[rows] = velocity
-            compressible.move(dt, velocity, p.position[rows])
+            self._check(state, velocity[rows])
+            p.compression[p.moving] = compression
+            p.velocity[rows] = velocity[rows]
+            compressible.move(dt, velocity[rows], p.position[rows])
+            boundary.advance_supply(state, self.case, dt)
             boundary.wrap(p, self.domain)
-            _, outside = self._survey(state, velocity)
+            _, outside = self._survey(state, p.velocity)
             if outside:
                 boundary.remove_leaving(state, self.case, self.domain)
-        return 0
+        return iterations
 
     def _observe_neighbors(self, state: State) -> None:
         p = state.particles
@@ -177,7 +167,6 @@ class Explicit:
             self._set_walls(state)
         if state.step % self.REFRESH == 0:
             p.reorder_fluid(order_by_cell(p.position[p.fluid], self.lattice.spacing))
-            p.concentration[p.fluid] = p.sediment_fraction[p.fluid]
             self._choose_skin(state)
             self._list_neighbors(state)
             lost = np.empty(p.fluid_count, dtype=np.bool_)
@@ -187,7 +176,7 @@ class Explicit:
             if lost.any():
                 boundary.remove_lost(state, lost)
                 self._list_neighbors(state)
-        elif self._near.is_stale(p.position[p.fluid], p.fluid_count):
+        elif self._near.is_stale(p.position[p.moving], p.moving.stop):
             self._list_neighbors(state)
 
     def _choose_skin(self, state: State) -> None:
@@ -208,9 +197,9 @@ class Explicit:
     def _list_neighbors(self, state: State) -> None:
         p, period = state.particles, self.domain.period
         inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
-        position = p.position[p.fluid]
+        position = p.position[p.moving]
         assert self._near_walls is not None
-        self._near.build(position, p.fluid_count)
+        self._near.build(position, p.moving.stop)
         self._near_walls.build(position)
         self._list = pairs.Near(
             self._near.index,
@@ -220,9 +209,6 @@ class Explicit:
             self._near_walls.count,
             np.stack([period, inverse]) if period.any() else None,
         )
-        if self._grain_pressure.size != p.fluid_count:
-            self._grain_pressure = np.zeros(p.fluid_count)
-            self._total_viscosity = np.full(p.fluid_count, self._viscosity)
 
     def _set_walls(self, state: State) -> None:
         """Sort the walls, which do not move, once."""
@@ -261,35 +247,10 @@ class Explicit:
         highest: Floats = rim + reach * slanted.max(axis=1)
         return highest
 
-    def _observe_grains(self, state: State) -> None:
-        p = state.particles
-        temperature = p.granular_temperature[p.fluid]
-        agitation.stir(
-            self._is_algebraic,
-            self._fluid(state),
-            self._solid,
-            self._list,
-            self._concentration,
-            self._grains,
-            self._numbers,
-            temperature,
-        )
-        self._grain_pressure, self._total_viscosity = np.empty((2, p.fluid_count))
-        agitation.collide_grains(
-            self._concentration,
-            self._viscosity,
-            self._grains,
-            self._numbers,
-            p.number_density[p.fluid],
-            temperature,
-            self._grain_pressure,
-            self._total_viscosity,
-        )
-        p.grain_pressure[p.fluid] = self._grain_pressure
-
-    def _advance_density(self, state: State, dt: float) -> None:
-        p, rows = state.particles, state.particles.fluid
-        compression = np.empty(p.fluid_count)
+    def _advance_density(self, state: State, dt: float) -> Floats:
+        """Write number density and pressure, and return the compression after a step."""
+        p, rows = state.particles, state.particles.moving
+        compression = np.empty(rows.stop)
         compressible.advance_density(
             dt,
             self._fluid(state),
@@ -300,20 +261,22 @@ class Explicit:
             compression,
             p.pressure[rows],
         )
-        p.compression[rows] = compression
         p.on_free_surface[rows] = (
             p.number_density[rows] < compressible.SURFACE * self.lattice.number_density
         )
+        return compression
 
     def _fluid(self, state: State) -> pairs.Fluid:
-        p, rows = state.particles, state.particles.fluid
+        p, rows = state.particles, state.particles.moving
+        has_collisions = self.case.collision_stress.enabled
         return pairs.Fluid(
             p.position[rows],
             p.velocity[rows],
             p.compression[rows],
             p.pressure[rows],
-            p.pressure[rows] + self._grain_pressure if self._has_collisions else p.pressure[rows],
-            self._total_viscosity,
+            p.pressure[rows] + p.collision_pressure[rows] if has_collisions else p.pressure[rows],
+            None if self._is_even else p.density[rows],
+            np.zeros(rows.stop) if self._resistance.is_implicit else self._resistance.viscosity,
         )
 
     def _survey(self, state: State, velocity: Floats) -> tuple[float, int]:

@@ -33,8 +33,11 @@ class Fluid(NamedTuple):
         s.
     pressure, total_pressure : (n,) float64 array, Pa
         Of the mixture, 0 at a free surface; with that of colliding grains.
-    viscosity : (n,) float64 array, m2/s
-        Kinematic, Newtonian and of colliding grains.
+    density : (n,) float64 array, kg/m3, or None
+        Of matter that is not compressed; None where all have that of :class:`Numbers`, for which
+        kernels are compiled that are a fifth faster.
+    viscosity : (n,) float64 array, Pa s
+        Newtonian and of colliding grains; 0 where momentum is exchanged implicitly instead.
     """
 
     position: Floats
@@ -42,6 +45,7 @@ class Fluid(NamedTuple):
     compression: Floats
     pressure: Floats
     total_pressure: Floats
+    density: Floats | None
     viscosity: Floats
 
 
@@ -106,7 +110,7 @@ class Numbers(NamedTuple):
     smooth_density, smooth_steepness : float
         m0 and its growth with the density, see :class:`debrisflow.lattice.Reference`.
     density, sound_speed : float, kg/m3, m/s
-        rho0 and c.
+        rho0, that of the heaviest matter, and c, its speed of sound.
     gravity : (3,) float64 array, m/s2
     diffusion, relaxation : float, -, s
         delta, and the time in which s follows n.
@@ -147,6 +151,12 @@ def separation(i, j, position, other, period):
 
 
 @kernel
+def density_of(i, density, numbers):
+    """Return the density of particle i without its compression, kg/m3."""
+    return numbers.density if density is None else density[i]
+
+
+@kernel
 def inverse_distance(dx, dy, dz, numbers):
     """Return ``1 / r``; two particles at one place are taken 1e-6 d0 apart, in no direction."""
     r2 = dx * dx + dy * dy + dz * dz
@@ -174,8 +184,14 @@ def height_over(dx, dy, dz, j, solid):
 
 
 @kernel
+def wall_factor(height, j, solid, numbers):
+    """Return by how much the velocity difference to wall particle j exceeds that to its surface."""
+    return 1.0 + solid.depth[j] / max(height, 0.5 * numbers.spacing)
+
+
+@kernel
 def wall_velocity_difference(u, v, w, height, j, solid, numbers):
     """Return ``u_j - u_i`` for wall particle j, as :func:`operators.velocity_difference`."""
     nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
-    factor = 1.0 + solid.depth[j] / max(height, 0.5 * numbers.spacing)
+    factor = wall_factor(height, j, solid, numbers)
     return mirrored(-u, -v, -w, nx, ny, nz, factor, solid.slip[j])

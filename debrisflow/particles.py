@@ -68,7 +68,9 @@ class Particles:
         What the particle's own path is ahead of its place, see :mod:`debrisflow.slip`; without
         rows where the case has no drag.
     grain_pressure : (n,) float64 array, Pa
-        Effective pressure between the grains of the bed.
+        Effective pressure between grains in contact.
+    collision_pressure : (n,) float64 array, Pa
+        Pressure of colliding grains in a weakly compressible mixture.
     compression : (n,) float64 array
         rho / rho0 - 1 of a weakly compressible fluid.
     on_free_surface : (n,) bool array
@@ -95,6 +97,7 @@ class Particles:
     relative_velocity: Floats
     owed_displacement: Floats
     grain_pressure: Floats
+    collision_pressure: Floats
     compression: Floats
     on_free_surface: NDArray[np.bool_]
     wall: NDArray[np.int8]
@@ -123,6 +126,11 @@ class Particles:
     def inflow(self) -> slice:
         """The rows of the inflow particles."""
         return slice(self.fluid_count, self.fluid_count + self.inflow_count)
+
+    @property
+    def moving(self) -> slice:
+        """The rows of the fluid particles and of the supply behind them."""
+        return slice(0, self.fluid_count + self.inflow_count)
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return the arrays of the record that have a row for every particle, by name."""
@@ -171,6 +179,7 @@ def blank(count: int) -> Particles:
             "concentration",
             "granular_temperature",
             "grain_pressure",
+            "collision_pressure",
             "compression",
             "wall_depth",
         )

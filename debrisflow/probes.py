@@ -382,9 +382,9 @@ def _pressure_on(faces: Faces, case: tables.Case, state: State) -> Floats:
     p, rows = state.particles, state.particles.fluid
     pressure = p.pressure[rows]
     if isinstance(case.scheme, tables.ExplicitScheme):
-        # there walls return the pressure of colliding grains too; in two dimensions that of resting
-        # grains is a part of the whole
-        pressure = pressure + p.grain_pressure[rows]
+        # there walls return the pressure of colliding grains too; that of grains in contact is a part
+        # of the whole
+        pressure = pressure + p.collision_pressure[rows]
     return face_pressure(faces, case, p.position[rows], pressure, p.density[rows])
 
 
