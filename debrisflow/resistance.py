@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from debrisflow import agitation, exchange, pairs
 from debrisflow.case import tables
 from debrisflow.case.defaults import LARGEST_PATH, VISCOUS_LIMIT
+from debrisflow.case.materials import pore_density
 from debrisflow.errors import NotConvergedError
 from debrisflow.granular import Grains, radial_distribution
-from debrisflow.laws import flow_law
+from debrisflow.laws import law_of
 from debrisflow.particles import Particles
 
 Floats = NDArray[np.float64]
@@ -42,7 +43,7 @@ class Resistance:
         stress, sediment = case.collision_stress, case.sediment
         self.case, self.numbers = case, numbers
         self.is_implicit = case.strength.law != "none"
-        self._law = flow_law(case)
+        self._law = law_of(case)
         self._has_collisions = stress.enabled
         self._is_algebraic = stress.granular_temperature == "algebraic"
         self._grains = Grains(
@@ -172,13 +173,9 @@ class Resistance:
         return flow
 
     def _grain_weight(self, p: Particles) -> Floats:
-        """Return the weight that the grains carry, N/m3."""
-        case, rows = self.case, p.moving
-        if not case.strength.saturated:
-            return np.asarray(p.density[rows] * self._g)
-        return np.asarray(
-            self._level * (case.sediment.density - case.water.density) * self._g
-        )
+        """Return the weight that the grains carry, N/m3: that less buoyancy, where water is."""
+        pores = pore_density(self.case.water, self.case.strength)
+        return np.asarray(self._level * (self.case.sediment.density - pores) * self._g)
 
     def _weigh_grains(self, p: Particles, fluid: pairs.Fluid, near: pairs.Near) -> None:
         """Write the effective pressure between grains.
@@ -187,6 +184,8 @@ class Resistance:
         water that of the static balance of the buoyant grains, as water on a bed adds nothing.  No
         less than the weight of half a row, which ties the uppermost one.
         """
+        if self._law.friction == 0.0:
+            return
         rows = p.moving
         weight, half = self._grain_weight(p), 0.5 * self.numbers.spacing
         if self._is_even:

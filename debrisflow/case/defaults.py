@@ -9,6 +9,7 @@ from math import hypot, inf, sqrt
 from typing import TypeVar
 
 from debrisflow.case.fields import Table
+from debrisflow.case.materials import Mixture, Sediment, Strength, Water, bulk_density
 from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
 from debrisflow.case.regions import Geometry, bed_end
 from debrisflow.case.speeds import fall_speed, given_speed
@@ -20,14 +21,10 @@ from debrisflow.case.tables import (
     ExplicitScheme,
     Gravity,
     Inflow,
-    Mixture,
     Output,
     Particles,
     Scheme,
-    Sediment,
-    Strength,
     Walls,
-    Water,
 )
 
 RELAXATION_STEPS = 50
@@ -93,8 +90,7 @@ def viscous_limits(
     """
     if strength.law != "none":
         return {}
-    solid = mixture.concentration
-    mixed_density = water.density + solid * (sediment.density - water.density)
+    mixed_density = bulk_density(mixture.concentration, water, sediment, strength)
     properties = {
         "water": (water.density, water.viscosity),
         "sediment": (sediment.density, sediment.viscosity),

@@ -8,6 +8,7 @@ from math import degrees, isfinite, radians, tan
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill
 from debrisflow.case.fields import Interval
+from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import (
     MESH_SLACK,
@@ -28,7 +29,6 @@ from debrisflow.case.tables import (
     Gravity,
     Inflow,
     Particles,
-    Strength,
     Tank,
     Tank3D,
     Walls,
