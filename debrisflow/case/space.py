@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import combinations
 from math import degrees, isfinite, radians, tan
 
@@ -200,7 +200,7 @@ def runout_behind_bed(geometry: Geometry, gravity: Gravity, particles: Particles
     start, slack = geometry.runout_start, TOLERANCE * particles.spacing
     if start is None:
         for name in ("runout_slope", "runout_width"):
-            if name in geometry.model_fields_set and getattr(geometry, name) is not None:
+            if hasattr(geometry, name) and was_set(geometry, name):
                 message = "has no effect without geometry.runout_start"
                 yield Problem(f"geometry.{name}", message, getattr(geometry, name))
         return
@@ -236,27 +236,18 @@ def nothing_on_runout(
     """Check that blocks, meshes and obstacles end before a run-out."""
     if not isinstance(geometry, ChannelShape) or geometry.runout_start is None:
         return
-    for key, end in _ends_along_x((*_named("fill", fill), *_named("obstacle", obstacle))).items():
-        if end > geometry.runout_start + MESH_SLACK * particles.spacing:
-            message = f"must end before the run-out, x = {geometry.runout_start:g} m"
-            yield Problem(key, message, end)
-
-
-def _named(
-    name: str, bodies: Sequence[AnyFill | AnyObstacle]
-) -> list[tuple[str, AnyFill | AnyObstacle]]:
-    return [(f"{name}.{k}", body) for k, body in enumerate(bodies)]
-
-
-def _ends_along_x(bodies: Sequence[tuple[str, AnyFill | AnyObstacle]]) -> dict[str, float]:
-    """Return where blocks, boxes and meshes end along x, m, by the keys that say so."""
-    ends = {}
+    farthest = geometry.runout_start + MESH_SLACK * particles.spacing
+    message = f"must end before the run-out, x = {geometry.runout_start:g} m"
+    bodies: list[tuple[str, AnyFill | AnyObstacle]]
+    bodies = [(f"fill.{k}", part) for k, part in enumerate(fill)]
+    bodies += [(f"obstacle.{k}", body) for k, body in enumerate(obstacle)]
     for key, body in bodies:
         if isinstance(body, MeshFill | MeshObstacle):
-            ends[key] = occupied(body).upper[0]
-        elif not isinstance(body, Bed):
-            ends[f"{key}.x.1"] = body.x[1]
-    return ends
+            end = occupied(body).upper[0]
+            if end > farthest:
+                yield Problem(key, f"{message}, and not at x = {end:.6g} m")
+        elif not isinstance(body, Bed) and body.x[1] > farthest:
+            yield Problem(f"{key}.x.1", message, body.x[1])
 
 
 def plain_wider_than_channel(geometry: Geometry, particles: Particles) -> Problems:
