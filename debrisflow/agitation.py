@@ -160,7 +160,7 @@ def concentrations(fraction, down, fluid, near, numbers, around, at_level):
 
 @loop
 def collide_grains(c, grains, n0, n, temperature, pressure, viscosity):
-    """Write the pressure, Pa, and add the viscosity, Pa s, of colliding grains, (n,) float64 arrays.
+    """Write the pressure, Pa, of colliding grains and add their viscosity, Pa s, to what is there.
 
     The pressure fades from n = n0 to 0.8 n0: at a free surface it would throw out the particles,
     which then hang as sheets.

@@ -154,15 +154,18 @@ def remove_leaving(state: State, case: tables.Case, domain: geometry.Domain) -> 
     below = position < domain.lower
     beyond = position > domain.upper
     below[:, up] = sunk
-    gone = np.asarray((below | beyond).any(axis=1))
+    # beside a channel that opens to a plain, behind the head wall
+    mouth, front, back = domain.mouth
+    behind = (x < mouth) & ((position[:, 1] < front) | (position[:, 1] > back))
+    gone = np.asarray((below | beyond).any(axis=1) | behind)
     if not gone.any():
         return
     aside = np.arange(3) != up
-    outside = (below | beyond)[:, aside].any(axis=1)
+    outside = (below | beyond)[:, aside].any(axis=1) | behind
     through = (below & domain.closed[:, 0]) | (beyond & domain.closed[:, 1])
     through[:, aside] &= (level < domain.rim)[:, None]
     through[:, up] &= ~outside
-    leaked = np.asarray(through.any(axis=1))
+    leaked = np.asarray(through.any(axis=1) | (behind & (level < domain.rim)))
     _remove(state, gone, leaked)
 
 

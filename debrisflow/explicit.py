@@ -149,7 +149,7 @@ class Explicit:
             )
         if self._resistance.is_implicit:
             with self.seconds.of("exchange of momentum"):
-                iterations = self._resistance.exchange(
+                iterations = self._resistance.exchange_momentum(
                     p, dt, self._fluid(state), self._solid, self._list, velocity
                 )
         with self.seconds.of("motion"):

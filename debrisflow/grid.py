@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow import geometry
-from debrisflow.case import tables
+from debrisflow.case import shapes, tables
 from debrisflow.case.bodies import BoxObstacle
+from debrisflow.case.shapes import is_three_dimensional, plain_edges
 
 Floats = NDArray[np.float64]
 CELL_WIDTH = 2.0  # spacings
@@ -29,12 +30,15 @@ class Grid(NamedTuple):
     """Cells 2 d0 wide along x and, in three dimensions, along y; a last one may be narrower.
 
     In two dimensions there is one cell across, 1 m wide, so that what is divided by the area of a
-    cell is per meter of width.  Cells follow each other along y first.
+    cell is per meter of width.  Cells follow each other along y first.  Beside a channel that opens
+    to a plain there are none.
 
     Attributes
     ----------
     along, across : (m + 1,) float64 array, m
         Edges of the cells.
+    number : (m, k) int array
+        Which cell is between these edges; -1 where there is none.
     x, y : (n,) float64 array, m
         Centers of the cells.
     area : (n,) float64 array, m2
@@ -44,6 +48,7 @@ class Grid(NamedTuple):
 
     along: Floats
     across: Floats
+    number: NDArray[np.int64]
     x: Floats
     y: Floats
     area: Floats
@@ -71,7 +76,22 @@ class Located(NamedTuple):
 def floor_length(case: tables.Case) -> float:
     """Return the extent of a tank or channel along x, m."""
     shape = case.geometry
-    return shape.width if isinstance(shape, tables.Tank) else shape.length
+    return shape.width if isinstance(shape, shapes.Tank) else shape.length
+
+
+def floor_ends(case: tables.Case, x: float, y: float) -> tuple[Floats, Floats]:
+    """Return the ends of the floor along x and across that a place sees, (1,) or (2,) arrays, m."""
+    shape, plain = case.geometry, plain_edges(case.geometry)
+    first, last = np.zeros(2), np.array([floor_length(case), np.inf])
+    if is_three_dimensional(shape):
+        last[1] = shape.width
+    if isinstance(shape, shapes.Channel3D) and plain is not None:
+        assert shape.runout_start is not None
+        if x > shape.runout_start:
+            first[1], last[1] = plain
+        if not 0.0 <= y <= shape.width:
+            first[0] = shape.runout_start
+    return first[: case.dimension - 1], last[: case.dimension - 1]
 
 
 def wrapped(case: tables.Case, position: Floats) -> Floats:
@@ -89,7 +109,7 @@ def plan(case: tables.Case) -> Grid:
     Examples
     --------
     >>> from types import SimpleNamespace as Case
-    >>> tank = tables.Tank3D(type="tank3d", length=1.0, width=0.5, height=1.0)
+    >>> tank = shapes.Tank3D(type="tank3d", length=1.0, width=0.5, height=1.0)
     >>> grid = plan(Case(geometry=tank, obstacle=(), particles=Case(spacing=0.125)))
     >>> grid.x
     array([0.125, 0.125, 0.375, 0.375, 0.625, 0.625, 0.875, 0.875])
@@ -98,13 +118,22 @@ def plan(case: tables.Case) -> Grid:
     """
     shape, d0 = case.geometry, case.particles.spacing
     along = _edges(floor_length(case), d0)
-    across = _edges(shape.width, d0) if isinstance(shape, tables.Tank3D) else np.array([-0.5, 0.5])
+    across = _edges(shape.width, d0) if is_three_dimensional(shape) else np.array([-0.5, 0.5])
+    plain = plain_edges(shape)
+    if isinstance(shape, shapes.Channel3D) and plain is not None:
+        # cells end at the mouth and at its sides
+        assert shape.runout_start is not None
+        start, beside = shape.runout_start, _edges(-plain[0], d0)
+        along = np.append(_edges(start, d0)[:-1], start + _edges(shape.length - start, d0))
+        across = np.concatenate([-beside[:0:-1], across[:-1], shape.width + beside])
     x, y = np.meshgrid(
         *(0.5 * (edges[:-1] + edges[1:]) for edges in (along, across)), indexing="ij"
     )
+    floor = geometry.is_over_floor(case, x, y)
+    number = np.where(floor, np.cumsum(floor).reshape(floor.shape) - 1, -1)
     area = np.outer(np.diff(along), np.diff(across))
-    raised = _obstacle_height(case, x.ravel(), y.ravel())
-    return Grid(along, across, x.ravel(), y.ravel(), area.ravel(), raised)
+    raised = _obstacle_height(case, x[floor], y[floor])
+    return Grid(along, across, number, x[floor], y[floor], area[floor], raised)
 
 
 def floor_level(case: tables.Case, grid: Grid) -> Floats:
@@ -125,8 +154,8 @@ def locate(case: tables.Case, grid: Grid, position: Floats) -> Located:
     within = (x >= 0.0) & (x < grid.along[-1]) & (y >= grid.across[0]) & (y < grid.across[-1])
     row = np.flatnonzero(within)
     column = np.searchsorted(grid.along, x[row], side="right") - 1
-    cell = column * (grid.across.size - 1)
-    cell += np.searchsorted(grid.across, y[row], side="right") - 1
+    cell = grid.number[column, np.searchsorted(grid.across, y[row], side="right") - 1]
+    row, cell = row[cell >= 0], cell[cell >= 0]
     height = geometry.height_over_floor(case, x[row], place[row, up], grid.x[cell])
     return Located(row, cell, height - grid.obstacle_height[cell])
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from debrisflow import geometry
 from debrisflow.case import tables
 from debrisflow.case.materials import bulk_density
+from debrisflow.walls import WallPoints, wall_points
 
 Floats = NDArray[np.float64]
 
@@ -355,9 +356,9 @@ def _evenly_mixed(position: Floats, share: float, rng: np.random.Generator) -> N
 
 
 def _walls(case: tables.Case) -> Particles:
-    points = geometry.walls(case)
+    points = wall_points(case)
     order = np.argsort(points.layer > 1, kind="stable")
-    points = geometry.WallPoints._make(field[order] for field in points)
+    points = WallPoints._make(field[order] for field in points)
     particles = _placed(points.position)
     particles.kind[:] = np.where(points.layer == 1, Kind.WALL, Kind.DUMMY)
     particles.density[:] = case.water.density

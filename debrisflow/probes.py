@@ -23,7 +23,7 @@ from debrisflow.case.probes import (
     SectionProbe,
 )
 from debrisflow.errors import CaseError
-from debrisflow.grid import floor_length
+from debrisflow.grid import floor_ends
 from debrisflow.lattice import reference
 from debrisflow.measures import (
     LARGEST_GAP,
@@ -103,16 +103,12 @@ class Height:
         self._least_density = LEAST_DENSITY_RATIO * lattice.number_density
         self._place = np.array([probe.x, probe.y or 0.0])[: self._up]
         self._period = geometry.domain(case).period[: self._up]
-        ends = np.full(self._up, np.inf)
-        ends[0] = floor_length(case)
-        if isinstance(case.geometry, tables.Tank3D):
-            ends[1] = case.geometry.width
-        self._ends = ends
+        first, last = floor_ends(case, probe.x, probe.y or 0.0)
         half = np.full(self._up, 0.5 * probe.size)
         repeats = self._period > 0.0
-        self._lower = -np.where(repeats, half, np.minimum(half, self._place))
-        self._upper = np.where(repeats, half, np.minimum(half, ends - self._place))
-        self.base = self._base(particles)
+        self._lower = -np.where(repeats, half, np.minimum(half, self._place - first))
+        self._upper = np.where(repeats, half, np.minimum(half, last - self._place))
+        self.base = self._base(particles, case)
 
     def sample(self, state: State) -> tuple[float, ...]:
         """Return height and filled height, m."""
@@ -138,12 +134,12 @@ class Height:
             offset - np.where(self._period > 0.0, self._period, 0.0) * np.rint(offset / repeat)
         )
 
-    def _base(self, p: Particles) -> float:
+    def _base(self, p: Particles, case: tables.Case) -> float:
         """Return the level of the highest wall under the place that looks up, m."""
         solid = slice(p.inflow.stop, p.count)
         under = np.all(np.abs(self._offset(p.position[solid])) <= (0.5 + 1e-6) * self._d0, axis=1)
-        aside = p.position[solid, : self._up]
-        under &= np.all((aside > 0.0) & (aside < self._ends), axis=1)  # not a rim
+        x, y, _ = p.position[solid].T
+        under &= geometry.is_over_floor(case, x, y)  # not a rim
         under &= (p.kind[solid] == Kind.WALL) & (p.wall_normal[solid, self._up] > UPWARD)
         if not under.any():
             raise CaseError(f"probe '{self._name}': no floor under it looks up; move it aside")
@@ -382,8 +378,8 @@ def _pressure_on(faces: Faces, case: tables.Case, state: State) -> Floats:
     p, rows = state.particles, state.particles.fluid
     pressure = p.pressure[rows]
     if isinstance(case.scheme, tables.ExplicitScheme):
-        # there walls return the pressure of colliding grains too; that of grains in contact is a part
-        # of the whole
+        # there walls return the pressure of colliding grains too; that of grains in contact is a
+        # part of the whole
         pressure = pressure + p.collision_pressure[rows]
     return face_pressure(faces, case, p.position[rows], pressure, p.density[rows])
 

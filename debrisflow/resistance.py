@@ -1,4 +1,4 @@
-"""What resists the shear of a weakly compressible flow: viscosity, colliding grains and strength."""
+"""What resists the shear of a weakly compressible flow: viscosity, collisions and strength."""
 
 from __future__ import annotations
 
@@ -116,13 +116,14 @@ class Resistance:
             limits.append(VISCOUS_LIMIT * self.numbers.spacing**2 / max(largest, 1e-300))
         if self._has_collisions:
             c = np.minimum(p.concentration[rows], self._grains.largest_concentration)
-            stiffness = 2.0 + radial_distribution(c.max(initial=0.0), self._grains.packing_limit) / 3
+            densest = c.max(initial=0.0)
+            stiffness = 2.0 + radial_distribution(densest, self._grains.packing_limit) / 3.0
             push = float((p.collision_pressure[rows] / p.density[rows]).max(initial=0.0))
             if push > 0.0:
                 limits.append(LARGEST_PATH * self.numbers.spacing / np.sqrt(push * stiffness))
         return limits
 
-    def exchange(
+    def exchange_momentum(
         self,
         p: Particles,
         dt: float,
@@ -232,5 +233,8 @@ def concentrations(case: tables.Case) -> set[float]:
     inflow = case.inflow
     if inflow is not None:
         graph = inflow.hydrograph
-        found |= set(graph.concentration) if graph else {inflow.concentration}
+        if isinstance(graph, tables.Hydrograph):
+            found.update(graph.concentration)
+        else:
+            found.add(inflow.concentration)
     return found

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from debrisflow import geometry
-from debrisflow.case import tables
-from debrisflow.grid import floor_length
+from debrisflow.case import shapes, tables
 from debrisflow.hydrostatic import are_among
 from debrisflow.measures import gravity_vector
 from debrisflow.particles import Kind, Particles
@@ -204,17 +203,13 @@ def _wrapped(cell: Cells, period: Cells) -> Cells:
 
 
 def _in_space(case: tables.Case, position: Floats) -> NDArray[np.bool_]:
-    """Return which points lie between the ends of the space and below the rim of its walls."""
+    """Return which points lie over the floor of the space and below the rim of its walls."""
     shape, up = case.geometry, case.dimension - 1
-    inside = position[:, up] < shape.height
-    if isinstance(shape, tables.Tank3D):
-        ends = [shape.length, None if shape.periodic else shape.width]
-    else:
-        ends = [None if shape.periodic else floor_length(case)]
-    for axis, end in enumerate(ends):
-        if end is not None:
-            inside &= (position[:, axis] > 0.0) & (position[:, axis] < end)
-    return inside
+    x, y, level = position[:, 0], position[:, 1], position[:, up]
+    inside = (level < shape.height) & geometry.is_over_floor(case, x, y)
+    if isinstance(shape, shapes.ChannelShape) and shape.runout_start is not None:
+        inside &= geometry.height_over_floor(case, x, level, x) > 0.0
+    return np.asarray(inside)
 
 
 def _near(surface: Floats, position: Floats, reach: float, period: Floats) -> Cells:

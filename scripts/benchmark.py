@@ -30,7 +30,7 @@ import click
 from benchmark_peer import environment, measure_peer
 
 from debrisflow._jit import set_threads
-from debrisflow.case import tables
+from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
 from debrisflow.explicit import Explicit
 from debrisflow.schemes import SemiImplicit
@@ -56,7 +56,7 @@ def dam_break(spacing: float) -> tables.Case:
         tables.Case(
             title="dam break",
             particles=tables.Particles(spacing=spacing),
-            geometry=tables.Tank(type="tank", width=2.0 * wide, height=2.0 * high),
+            geometry=shapes.Tank(type="tank", width=2.0 * wide, height=2.0 * high),
             fill=(tables.Block(type="block", x=(0.0, wide), y=(0.0, high), material="water"),),
             time=tables.Time(end=1.0),
             output=tables.Output(interval=0.1),

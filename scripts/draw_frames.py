@@ -18,6 +18,7 @@ import pyvista
 from debrisflow.case import load_case, tables
 from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.regions import surface_of
+from debrisflow.case.shapes import Tank3D
 from debrisflow.output import CASE, FRAMES
 from debrisflow.particles import Kind
 from debrisflow.vtu import read_collection
@@ -63,7 +64,7 @@ def draw(axes: plt.Axes, path: Path, by: str, view: list[int]) -> None:
 def outline(axes: plt.Axes, case: tables.Case, view: list[int]) -> None:
     """Draw the edges of a tank in three dimensions, of its boxes and of its meshes' triangles."""
     shape = case.geometry
-    assert isinstance(shape, tables.Tank3D)
+    assert isinstance(shape, Tank3D)
     tank = ((0.0, shape.length), (0.0, shape.width), (0.0, shape.height))
     boxes = []
     for obstacle in case.obstacle:

@@ -8,6 +8,7 @@ from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.measures import deposit_profile
 from debrisflow.particles import Kind
+from debrisflow.walls import wall_points
 from tests.building import advance, started
 
 D0 = 0.02
@@ -61,7 +62,7 @@ def test_the_roughness_under_a_point_is_that_of_the_wall_below_it(kind):
         )
     )
     x = (np.arange(100) + 0.5) * D0
-    points = geometry.walls(case)
+    points = wall_points(case)
     columns = [np.flatnonzero(np.abs(points.position[:, 0] - at) < 1e-9) for at in x]
     top = [column[np.argmax(points.position[column, 1])] for column in columns]
     below = [roughness[geometry.WALL_NAMES[name]] for name in points.name[top]]
@@ -78,7 +79,7 @@ def test_no_law_of_the_wall_acts_on_a_floor_without_roughness():
 
 @pytest.mark.parametrize("layer", [1, 2, 3, 4])
 def test_wall_layers_follow_the_bend_without_gap_or_overlap(layer):
-    points = geometry.walls(bent_channel())
+    points = wall_points(bent_channel())
     row = points.position[(points.layer == layer) & (points.position[:, 1] < 0.5)]
     row = row[(row[:, 0] > 0.0) & (row[:, 0] < 1.9)]
     row = row[np.argsort(row[:, 0])]

@@ -8,6 +8,7 @@ import pyvista
 from debrisflow import geometry
 from debrisflow.case import dump_case, load_case
 from debrisflow.particles import Kind, seed
+from debrisflow.walls import wall_points
 from tests.building import tank3d_case
 
 D0 = 0.1
@@ -42,7 +43,7 @@ def nearest_of_box(points, lower, upper):
 
 @pytest.mark.parametrize("size", [(0.8, 0.6, 1.0), (1.1, 0.9, 0.5)])
 def test_walls_of_a_tank_point_to_the_nearest_point_of_its_space(size):
-    points = geometry.walls(tank3d_case(size=size, z=(0.0, 0.5)))
+    points = wall_points(tank3d_case(size=size, z=(0.0, 0.5)))
     inwards = nearest_of_box(points.position, np.zeros(3), [*size[:2], np.inf])
     over_rim = np.zeros_like(inwards)
     over_rim[:, 2] = size[2] - points.position[:, 2]
@@ -61,7 +62,7 @@ def test_walls_of_a_tank_point_to_the_nearest_point_of_its_space(size):
 
 
 def test_walls_bear_the_names_of_their_sides():
-    points = geometry.walls(tank3d_case())
+    points = wall_points(tank3d_case())
     sides = {
         "floor": (points.position[:, 2] < 0),
         "left": points.position[:, 0] < 0,
@@ -75,7 +76,7 @@ def test_walls_bear_the_names_of_their_sides():
 
 
 def test_a_periodic_tank_repeats_across_its_sides():
-    points = geometry.walls(tank3d_case(size=(0.8, 1.2, 1.0), geometry={"periodic": True}))
+    points = wall_points(tank3d_case(size=(0.8, 1.2, 1.0), geometry={"periodic": True}))
     assert points.position[:, 1].min() > 0
     assert points.position[:, 1].max() < 1.2
     assert not np.any(points.normal[:, 1])
@@ -84,7 +85,7 @@ def test_a_periodic_tank_repeats_across_its_sides():
 
 def test_an_obstacle_is_wall_whose_normals_point_out_of_it():
     case = tank3d_case(size=WIDE, fill=[], scheme={"sound_speed": 20.0}, obstacle=[BOX])
-    points = geometry.walls(case)
+    points = wall_points(case)
     assert geometry.wall_names(case)[-1] == "pier"
     own = points.name == len(geometry.WALL_NAMES)
     p = points.position[own]
@@ -115,7 +116,7 @@ def test_a_mesh_is_wall_with_the_normals_of_its_surface(tmp_path):
         scheme={"sound_speed": 20.0},
         obstacle=[mesh(file, offset=tuple(center))],
     )
-    points = geometry.walls(case)
+    points = wall_points(case)
     own = points.name == len(geometry.WALL_NAMES)
     out = points.position[own] - center
     distance = np.linalg.norm(out, axis=1)
@@ -144,7 +145,7 @@ def test_a_ramp_on_the_floor_has_the_normal_of_its_slope_and_none_into_the_floor
     path = tmp_path / "ramp.stl"
     meshio.write(path, meshio.Mesh(corners, [("triangle", faces)]))
     ramp = mesh(str(path), offset=(start, 0.3, 0.0))
-    points = geometry.walls(
+    points = wall_points(
         tank3d_case(size=WIDE, fill=[], scheme={"sound_speed": 20.0}, obstacle=[ramp])
     )
     own = points.name == len(geometry.WALL_NAMES)

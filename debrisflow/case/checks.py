@@ -22,12 +22,17 @@ from debrisflow.case.defaults import (
 from debrisflow.case.estimate import available_memory, estimate, size
 from debrisflow.case.materials import Mixture, Sediment, Strength, Water
 from debrisflow.case.problems import Problem, Problems, was_set
-from debrisflow.case.regions import TOLERANCE, Geometry
+from debrisflow.case.regions import (
+    TOLERANCE,
+)
+from debrisflow.case.shapes import (
+    Channel,
+    Geometry,
+)
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
     AnyScheme,
-    Channel,
     CollisionStress,
     Drag,
     Gravity,

@@ -11,13 +11,15 @@ from typing import TypeVar
 from debrisflow.case.fields import Table
 from debrisflow.case.materials import Mixture, Sediment, Strength, Water, bulk_density
 from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
-from debrisflow.case.regions import Geometry, bed_end
+from debrisflow.case.regions import (
+    bed_end,
+)
+from debrisflow.case.shapes import Channel, Channel3D, Geometry
 from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.case.tables import (
     AnyFill,
     AnyScheme,
     Case,
-    Channel,
     ExplicitScheme,
     Gravity,
     Inflow,
@@ -122,7 +124,7 @@ def _filled(table: _Any, **defaults: object) -> _Any:
 
 
 def _geometry(geometry: Geometry, particles: Particles) -> Geometry:
-    if not isinstance(geometry, Channel):
+    if not isinstance(geometry, Channel | Channel3D):
         return geometry
     return _filled(geometry, bed_end=bed_end(geometry, particles))
 

@@ -1,4 +1,4 @@
-"""Checks of the obstacles and meshes in a tank of three dimensions."""
+"""Checks of the obstacles and meshes in three dimensions."""
 
 from __future__ import annotations
 
@@ -9,14 +9,22 @@ from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.regions import (
     MESH_SLACK,
     TOLERANCE,
-    Geometry,
     covered,
     lattice_points,
     occupied,
     open_space,
     shared_space,
 )
-from debrisflow.case.tables import AnyFill, AnyObstacle, Particles, Tank3D, Walls
+from debrisflow.case.shapes import (
+    Geometry,
+    is_three_dimensional,
+)
+from debrisflow.case.tables import (
+    AnyFill,
+    AnyObstacle,
+    Particles,
+    Walls,
+)
 
 Fill = tuple[AnyFill, ...]
 Obstacles = tuple[AnyObstacle, ...]
@@ -24,8 +32,8 @@ Obstacles = tuple[AnyObstacle, ...]
 
 def obstacles_of_dimension(geometry: Geometry, obstacle: Obstacles) -> Problems:
     """Check that obstacles stand in three dimensions."""
-    if obstacle and not isinstance(geometry, Tank3D):
-        message = f"there are none in a {geometry.type}; use geometry.type = 'tank3d'"
+    if obstacle and not is_three_dimensional(geometry):
+        message = f"there are none in a {geometry.type}; use geometry.type = '{geometry.type}3d'"
         yield Problem("obstacle", message)
 
 
@@ -40,15 +48,16 @@ def obstacles_named(obstacle: Obstacles) -> Problems:
 
 
 def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacles) -> Problems:
-    """Check that obstacles lie inside the tank and boxes are a spacing thick."""
-    if not isinstance(geometry, Tank3D):
+    """Check that obstacles lie inside the space and boxes are a spacing thick."""
+    if not is_three_dimensional(geometry):
         return
-    (space,) = open_space(geometry, particles)
+    spaces = list(dict.fromkeys(open_space(geometry, particles)))
     for k, body in enumerate(obstacle):
         area = occupied(body)
         slack = TOLERANCE if isinstance(body, BoxObstacle) else MESH_SLACK
-        if not space.shrunk(-slack * particles.spacing).holds(area):
-            message = f"the {body.type} {area} is not inside the tank3d, {space}"
+        if not any(space.shrunk(-slack * particles.spacing).holds(area) for space in spaces):
+            room = " or ".join(map(str, spaces))
+            message = f"the {body.type} {area} is not inside the {geometry.type}, {room}"
             yield Problem(f"obstacle.{k}", message)
         if not isinstance(body, BoxObstacle):
             continue
@@ -62,7 +71,7 @@ def obstacles_apart(
     geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
 ) -> Problems:
     """Check that obstacles overlap neither each other nor a fill."""
-    if not isinstance(geometry, Tank3D):
+    if not is_three_dimensional(geometry):
         return
     solids = [(f"obstacle.{k}", body, occupied(body)) for k, body in enumerate(obstacle)]
     fluids = [
@@ -81,7 +90,7 @@ def meshes_resolved(
     geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
 ) -> Problems:
     """Check that every mesh encloses a point of the lattice."""
-    if not isinstance(geometry, Tank3D):
+    if not is_three_dimensional(geometry):
         return
     for name, bodies in (("obstacle", obstacle), ("fill", fill)):
         for k, body in enumerate(bodies):

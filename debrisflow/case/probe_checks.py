@@ -14,8 +14,19 @@ from debrisflow.case.probes import (
     SectionProbe,
 )
 from debrisflow.case.problems import Problem, did_you_mean, either
-from debrisflow.case.regions import Geometry
-from debrisflow.case.tables import AnyObstacle, Channel, Particles, Tank3D
+from debrisflow.case.shapes import (
+    Channel,
+    Channel3D,
+    ChannelShape,
+    Geometry,
+    Tank3D,
+    is_three_dimensional,
+    plain_edges,
+)
+from debrisflow.case.tables import (
+    AnyObstacle,
+    Particles,
+)
 
 Problems = Iterator[Problem]
 Probes = tuple[AnyProbe, ...]
@@ -34,7 +45,7 @@ def names_of_probes(probe: Probes) -> Problems:
 
 def coordinates_of_probes(probe: Probes, geometry: Geometry) -> Problems:
     """Check that places have as many coordinates as the case has dimensions."""
-    is_three = isinstance(geometry, Tank3D)
+    is_three = is_three_dimensional(geometry)
     for k, one in enumerate(probe):
         last = {HeightProbe: "y", PressureProbe: "z"}.get(type(one))
         value = getattr(one, last) if last else None
@@ -97,6 +108,12 @@ def _extents(geometry: Geometry) -> dict[str, tuple[float, float]]:
     if isinstance(geometry, Tank3D):
         ends = (geometry.length, geometry.width, geometry.height)
         return {axis: (0.0, end) for axis, end in zip("xyz", ends, strict=True)}
+    if isinstance(geometry, Channel3D):
+        return {
+            "x": (0.0, geometry.length),
+            "y": plain_edges(geometry) or (0.0, geometry.width),
+            "z": (-geometry.bed_thickness, geometry.height),
+        }
     if isinstance(geometry, Channel):
         return {"x": (0.0, geometry.length), "y": (-geometry.bed_thickness, geometry.height)}
     return {"x": (0.0, geometry.width), "y": (0.0, geometry.height)}
@@ -115,7 +132,7 @@ def _walls(geometry: Geometry) -> dict[str, tuple[int, float] | None]:
             found |= {"front": (1, 0.0), "back": (1, geometry.width)}
         return found
     sides = not geometry.periodic
-    if isinstance(geometry, Channel):
+    if isinstance(geometry, ChannelShape):
         found = {"floor": None}
         if geometry.bed_thickness > 0:
             found["bed"] = None
@@ -123,6 +140,10 @@ def _walls(geometry: Geometry) -> dict[str, tuple[int, float] | None]:
             found["left"] = (0, 0.0)
         if sides and geometry.weir_height > 0:
             found["right"] = None
+        if isinstance(geometry, Channel3D):
+            opens = plain_edges(geometry) is not None  # then the head wall belongs to them
+            found["front"] = None if opens else (1, 0.0)
+            found["back"] = None if opens else (1, geometry.width)
         return found
     found = {"floor": (1, 0.0)}
     if sides:

@@ -10,18 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case.bodies import MeshFill, MeshObstacle
+from debrisflow.case.shapes import (
+    Channel3D,
+    ChannelShape,
+    Geometry,
+    Tank,
+    Tank3D,
+    is_three_dimensional,
+)
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
     Bed,
-    Channel,
     Particles,
-    Tank,
-    Tank3D,
 )
 from debrisflow.surface import Surface, cells_inside, read_surface
 
-Geometry = Tank | Channel | Tank3D
 WEIR_SPACINGS = 4
 # Share of a spacing by which a length may miss a multiple of it, for round-off in decimals.
 TOLERANCE = 1e-6
@@ -62,7 +66,7 @@ class Region(NamedTuple):
         return ", ".join(f"{axis} = [{a:.6g}, {b:.6g}] m" for axis, a, b in ends)
 
 
-def bed_end(geometry: Channel, particles: Particles) -> float:
+def bed_end(geometry: ChannelShape, particles: Particles) -> float:
     """Return the x at which the recess ends, m: given, or a weir before the run-out or the end."""
     if geometry.bed_end is not None:
         return geometry.bed_end
@@ -75,10 +79,18 @@ def bed_end(geometry: Channel, particles: Particles) -> float:
 
 def recess(geometry: Geometry, particles: Particles) -> Region | None:
     """Return the recess of a channel, None where there is none."""
-    if not isinstance(geometry, Channel) or geometry.bed_thickness == 0:
+    if not isinstance(geometry, ChannelShape) or geometry.bed_thickness == 0:
         return None
     end = bed_end(geometry, particles)
-    return Region((geometry.bed_start, -geometry.bed_thickness), (end, 0.0))
+    return _across(Region((geometry.bed_start, -geometry.bed_thickness), (end, 0.0)), geometry)
+
+
+def _across(section: Region, geometry: ChannelShape) -> Region:
+    """Return a rectangle of the section along a channel, in three dimensions over its width."""
+    if not isinstance(geometry, Channel3D):
+        return section
+    (start, bottom), (end, top) = section.lower, section.upper
+    return Region((start, 0.0, bottom), (end, geometry.width, top))
 
 
 def surface_of(part: MeshFill | MeshObstacle) -> Surface:
@@ -95,9 +107,9 @@ def covered(part: AnyFill, geometry: Geometry, particles: Particles) -> Region |
     if isinstance(part, Bed):
         return recess(geometry, particles)
     if isinstance(part, MeshFill):
-        return occupied(part) if isinstance(geometry, Tank3D) else None
+        return occupied(part) if is_three_dimensional(geometry) else None
     extents = [part.x, part.y]
-    if isinstance(geometry, Tank3D):
+    if is_three_dimensional(geometry):
         extents.append(part.z or (0.0, 0.0))
     return Region(tuple(e[0] for e in extents), tuple(e[1] for e in extents))
 
@@ -149,7 +161,7 @@ def shared_space(
 
 
 def open_space(geometry: Geometry, particles: Particles) -> list[Region]:
-    """Return the regions in which a fill may lie, each on its own.
+    """Return the regions in which a fill or an obstacle may lie, each on its own.
 
     A block over the weir starts at its crest; one that also fills the recess stays between its
     steps.
@@ -161,10 +173,10 @@ def open_space(geometry: Geometry, particles: Particles) -> list[Region]:
     crest = 0.0 if geometry.periodic else geometry.weir_height
     end = bed_end(geometry, particles) if crest > 0 else geometry.length
     spaces = [
-        Region((0.0, 0.0), (end, geometry.height)),
-        Region((0.0, crest), (geometry.length, geometry.height)),
+        _across(Region((0.0, 0.0), (end, geometry.height)), geometry),
+        _across(Region((0.0, crest), (geometry.length, geometry.height)), geometry),
     ]
     hollow = recess(geometry, particles)
     if hollow is not None:
-        spaces.append(Region(hollow.lower, (hollow.upper[0], geometry.height)))
+        spaces.append(Region(hollow.lower, (*hollow.upper[:-1], geometry.height)))
     return spaces

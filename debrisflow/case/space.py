@@ -6,7 +6,7 @@ from collections.abc import Callable
 from itertools import combinations
 from math import degrees, isfinite, radians, tan
 
-from debrisflow.case.bodies import BoxObstacle, MeshFill
+from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import Interval
 from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
@@ -14,23 +14,29 @@ from debrisflow.case.regions import (
     MESH_SLACK,
     TOLERANCE,
     WEIR_SPACINGS,
-    Geometry,
     bed_end,
     covered,
+    occupied,
     open_space,
     shared_space,
+)
+from debrisflow.case.shapes import (
+    Channel3D,
+    ChannelShape,
+    Geometry,
+    Tank,
+    Tank3D,
+    is_three_dimensional,
+    plain_edges,
 )
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
     Bed,
     Block,
-    Channel,
     Gravity,
     Inflow,
     Particles,
-    Tank,
-    Tank3D,
     Walls,
 )
 
@@ -44,15 +50,18 @@ LARGEST_BEND = 25.0  # degrees; its cosine is above operators.EDGE, so that a fl
 
 def fills_of_dimension(geometry: Geometry, fill: Fill) -> Problems:
     """Check that fills have the dimension of the space."""
-    dimension = 3 if isinstance(geometry, Tank3D) else 2
+    dimension = 3 if is_three_dimensional(geometry) else 2
+    with_third = "channel3d" if isinstance(geometry, ChannelShape) else "tank3d"
     for k, part in enumerate(fill):
         if isinstance(part, MeshFill) and dimension == 2:
-            message = "only in three dimensions: geometry.type = 'tank3d'"
+            message = f"only in three dimensions: geometry.type = '{with_third}'"
             yield Problem(f"fill.{k}.type", message, part.type)
         if isinstance(part, Block) and dimension == 3 and part.z is None:
             yield Problem(f"fill.{k}.z", "missing: extent along z, in three dimensions (m)")
         if isinstance(part, Block) and dimension == 2 and part.z is not None:
-            message = "only in three dimensions; leave it out, or set geometry.type = 'tank3d'"
+            message = (
+                f"only in three dimensions; leave it out, or set geometry.type = '{with_third}'"
+            )
             yield Problem(f"fill.{k}.z", message, part.z)
         if (
             not isinstance(part, Bed)
@@ -76,7 +85,7 @@ def intervals_in_order(
     for key, interval in intervals.items():
         if interval[0] >= interval[1]:
             yield Problem(key, "the first number must be less than the second", interval)
-    if isinstance(geometry, Channel):
+    if isinstance(geometry, ChannelShape):
         end = bed_end(geometry, particles)
         if geometry.bed_thickness > 0 and geometry.bed_start >= end:
             message = f"must be less than bed_end = {end:g} m"
@@ -114,6 +123,8 @@ def lengths_on_lattice(
     else:
         names = ["length", "bed_start", "bed_thickness", "weir_height"]
         names += [n for n in ("bed_end", "runout_start") if getattr(geometry, n) is not None]
+        if isinstance(geometry, Channel3D):
+            names.append("width")
     lengths |= {f"geometry.{name}": getattr(geometry, name) for name in names}
     if inflow is not None and inflow.depth >= particles.spacing:
         lengths["inflow.depth"] = inflow.depth
@@ -138,15 +149,17 @@ def space_resolved(geometry: Geometry, particles: Particles, inflow: Inflow | No
     across = ["height"]
     if isinstance(geometry, Tank3D):
         across.append("length")
+    if isinstance(geometry, Channel3D):
+        across.append("width")
     if not geometry.periodic:
-        across.append("length" if isinstance(geometry, Channel) else "width")
+        across.append("length" if isinstance(geometry, ChannelShape) else "width")
     for name in across:
         length = getattr(geometry, name)
         if length < (FEWEST_SPACINGS - TOLERANCE) * spacing:
             message = f"not resolved: must be at least {FEWEST_SPACINGS} spacings of {spacing:g} m"
             yield Problem(f"geometry.{name}", message, length)
     if (
-        isinstance(geometry, Channel)
+        isinstance(geometry, ChannelShape)
         and 0 < geometry.bed_thickness < (FEWEST_BED_SPACINGS - TOLERANCE) * spacing
     ):
         message = f"not resolved: must be at least {FEWEST_BED_SPACINGS} spacings of {spacing:g} m"
@@ -160,14 +173,14 @@ def periodic_space(geometry: Geometry, particles: Particles) -> Problems:
     """Check that a periodic space does not see itself and has no weir."""
     if not geometry.periodic:
         return
-    name = "length" if isinstance(geometry, Channel) else "width"
+    name = "length" if isinstance(geometry, ChannelShape) else "width"
     least = 3 * (particles.effective_radius + 1) * particles.spacing
     if getattr(geometry, name) < least * (1 - TOLERANCE):
         message = (
             f"too short to be periodic: at least 3 (effective_radius + 1) spacings, {least:g} m"
         )
         yield Problem(f"geometry.{name}", message, getattr(geometry, name))
-    if isinstance(geometry, Channel) and geometry.weir_height > 0:
+    if isinstance(geometry, ChannelShape) and geometry.weir_height > 0:
         yield Problem(
             "geometry.weir_height", "a periodic channel has no weir", geometry.weir_height
         )
@@ -175,22 +188,21 @@ def periodic_space(geometry: Geometry, particles: Particles) -> Problems:
 
 def weir_in_channel(geometry: Geometry) -> Problems:
     """Check that the weir leaves the channel open above it."""
-    if isinstance(geometry, Channel) and geometry.weir_height >= geometry.height:
+    if isinstance(geometry, ChannelShape) and geometry.weir_height >= geometry.height:
         message = f"must be less than the height of the channel, {geometry.height:g} m"
         yield Problem("geometry.weir_height", message, geometry.weir_height)
 
 
-def runout_behind_bed(
-    geometry: Geometry, gravity: Gravity, particles: Particles, fill: Fill
-) -> Problems:
-    """Check that a run-out bends up, behind bed and blocks and below the top of the channel."""
-    if not isinstance(geometry, Channel):
+def runout_behind_bed(geometry: Geometry, gravity: Gravity, particles: Particles) -> Problems:
+    """Check that a run-out bends up, behind the bed and below the top of the channel."""
+    if not isinstance(geometry, ChannelShape):
         return
     start, slack = geometry.runout_start, TOLERANCE * particles.spacing
     if start is None:
-        if was_set(geometry, "runout_slope"):
-            message = "has no effect without geometry.runout_start"
-            yield Problem("geometry.runout_slope", message, geometry.runout_slope)
+        for name in ("runout_slope", "runout_width"):
+            if hasattr(geometry, name) and was_set(geometry, name):
+                message = "has no effect without geometry.runout_start"
+                yield Problem(f"geometry.{name}", message, getattr(geometry, name))
         return
     if geometry.periodic or geometry.weir_height > 0:
         other = "geometry.periodic" if geometry.periodic else "geometry.weir_height"
@@ -216,10 +228,37 @@ def runout_behind_bed(
     if rise >= geometry.height:
         message = f"must be greater than the rise of the run-out along the x axis, {rise:.3g} m"
         yield Problem("geometry.height", message, geometry.height)
-    for k, part in enumerate(fill):
-        if isinstance(part, Block) and part.x[1] > start + slack:
-            message = f"must end before the run-out, x = {start:g} m"
-            yield Problem(f"fill.{k}.x.1", message, part.x[1])
+
+
+def nothing_on_runout(
+    geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
+) -> Problems:
+    """Check that blocks, meshes and obstacles end before a run-out."""
+    if not isinstance(geometry, ChannelShape) or geometry.runout_start is None:
+        return
+    farthest = geometry.runout_start + MESH_SLACK * particles.spacing
+    message = f"must end before the run-out, x = {geometry.runout_start:g} m"
+    bodies: list[tuple[str, AnyFill | AnyObstacle]]
+    bodies = [(f"fill.{k}", part) for k, part in enumerate(fill)]
+    bodies += [(f"obstacle.{k}", body) for k, body in enumerate(obstacle)]
+    for key, body in bodies:
+        if isinstance(body, MeshFill | MeshObstacle):
+            end = occupied(body).upper[0]
+            if end > farthest:
+                yield Problem(key, f"{message}, and not at x = {end:.6g} m")
+        elif not isinstance(body, Bed) and body.x[1] > farthest:
+            yield Problem(f"{key}.x.1", message, body.x[1])
+
+
+def plain_wider_than_channel(geometry: Geometry, particles: Particles) -> Problems:
+    """Check that the plain is at least as wide as the channel that opens to it."""
+    edges = plain_edges(geometry)
+    if edges is None:
+        return
+    assert isinstance(geometry, Channel3D)
+    if edges[0] > TOLERANCE * particles.spacing:
+        message = f"must be at least the width of the channel, {geometry.width:g} m"
+        yield Problem("geometry.runout_width", message, geometry.runout_width)
 
 
 def fills_inside(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
@@ -255,7 +294,7 @@ def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
 
     In three dimensions no wall moves, which is checked with the scheme.
     """
-    if isinstance(geometry, Tank3D):
+    if is_three_dimensional(geometry):
         return
     present = _walls_present(geometry)
     for name, wall in walls:
@@ -265,7 +304,9 @@ def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
         if not present[name]:
             message = f"there is no {name} wall in this {geometry.type}"
         elif (
-            name == "floor" and isinstance(geometry, Channel) and geometry.runout_start is not None
+            name == "floor"
+            and isinstance(geometry, ChannelShape)
+            and geometry.runout_start is not None
         ):
             message = "a floor that bends to a run-out cannot move"
         elif wall.slip == "free-slip":
@@ -298,12 +339,13 @@ def _walls_present(geometry: Geometry) -> dict[str, bool]:
     tank = isinstance(geometry, Tank)
     return {
         "floor": True,
-        "bed": isinstance(geometry, Channel) and geometry.bed_thickness > 0,
+        "bed": isinstance(geometry, ChannelShape) and geometry.bed_thickness > 0,
         "left": closed,
-        "right": closed and (tank or (isinstance(geometry, Channel) and geometry.weir_height > 0)),
+        "right": closed
+        and (tank or (isinstance(geometry, ChannelShape) and geometry.weir_height > 0)),
         "ceiling": isinstance(geometry, Tank) and geometry.ceiling,
-        "front": False,
-        "back": False,
+        "front": isinstance(geometry, Channel3D),
+        "back": isinstance(geometry, Channel3D),
     }
 
 
@@ -315,6 +357,8 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     periodic_space,
     weir_in_channel,
     runout_behind_bed,
+    nothing_on_runout,
+    plain_wider_than_channel,
     fills_inside,
     fills_apart,
     walls_that_drag,

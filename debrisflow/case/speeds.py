@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from itertools import product
-from math import hypot, sqrt
+from math import hypot, radians, sqrt, tan
 
-from debrisflow.case.regions import Geometry, Region, covered
-from debrisflow.case.tables import AnyFill, Bed, Gravity, Inflow, Particles, Tank3D, Walls
+from debrisflow.case.regions import Region, covered, recess
+from debrisflow.case.shapes import Channel3D, Geometry, Tank3D, is_three_dimensional
+from debrisflow.case.tables import (
+    AnyFill,
+    Bed,
+    Gravity,
+    Inflow,
+    Particles,
+    Walls,
+)
 
 
 def given_speed(fill: tuple[AnyFill, ...], inflow: Inflow | None, walls: Walls) -> float:
@@ -32,11 +40,12 @@ def fall_speed(
 ) -> float:
     """Return the speed of a free fall through the height of fills and supply, m/s.
 
-    With ``to_floor``, in a tank of three dimensions, down to the lowest end of its floor.
+    With ``to_floor``, in three dimensions, down to the lowest end of the floor: of a sloping
+    channel that to which the whole flow may run.
     """
     areas = [covered(part, geometry, particles) for part in fill]
-    if to_floor and areas and isinstance(geometry, Tank3D):
-        areas.append(Region((0.0, 0.0, 0.0), (geometry.length, geometry.width, 0.0)))
+    if to_floor and areas and is_three_dimensional(geometry):
+        areas += _floors(geometry, particles, gravity)
     if inflow is not None:
         areas.append(Region((0.0, 0.0), (0.0, inflow.depth)))
     along, upward = gravity.components
@@ -47,3 +56,19 @@ def fall_speed(
         for x, y in product((area.lower[0], area.upper[0]), (area.lower[-1], area.upper[-1]))
     ]
     return sqrt(2.0 * (max(levels) - min(levels))) if levels else 0.0
+
+
+def _floors(
+    geometry: Tank3D | Channel3D, particles: Particles, gravity: Gravity
+) -> list[Region | None]:
+    """Return the floor, the recess below it and the far end of a run-out."""
+    end, width = geometry.length, geometry.width
+    if isinstance(geometry, Tank3D) or geometry.runout_start is None:
+        return [Region((0.0, 0.0, 0.0), (end, width, 0.0)), recess(geometry, particles)]
+    start = geometry.runout_start
+    rise = (end - start) * tan(gravity.fall - radians(geometry.runout_slope))
+    return [
+        Region((0.0, 0.0, 0.0), (start, width, 0.0)),
+        Region((end, 0.0, rise), (end, width, rise)),
+        recess(geometry, particles),
+    ]

@@ -15,6 +15,7 @@ from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
 from debrisflow.case.materials import Mixture, Sediment, Strength, Water
 from debrisflow.case.probes import AnyProbe
+from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensional
 
 EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
 
@@ -60,55 +61,6 @@ class Gravity(Table):
             return self.vector
         angle = radians(self.slope)
         return self.acceleration * sin(angle), -self.acceleration * cos(angle)
-
-
-class Tank(Table):
-    """A rectangular tank; its inner corner is the origin, y is up."""
-
-    type: Literal["tank"]
-    width: float = quantity("m", "inner width along x", gt=0)
-    height: float = quantity("m", "height of the side walls above the floor", gt=0)
-    ceiling: bool = quantity(NONE, "close the tank by a wall at its height", False)
-    periodic: bool = quantity(NONE, "repeat the tank along x instead of side walls", False)
-
-
-class Tank3D(Table):
-    """A rectangular tank in three dimensions; its inner corner is the origin, z is up."""
-
-    type: Literal["tank3d"]
-    length: float = quantity("m", "inner length along x", gt=0)
-    width: float = quantity("m", "inner width along y", gt=0)
-    height: float = quantity("m", "height of the side walls above the floor", gt=0)
-    periodic: bool = quantity(
-        NONE, "repeat the tank along y instead of front and back walls", False
-    )
-
-
-class Channel(Table):
-    """A channel along x with a fixed floor at y = 0, a recessed movable bed and an end weir.
-
-    The end at x = length is open: what passes it leaves the computation.  The floor may bend up to
-    a milder slope, the run-out, where a flow deposits.
-    """
-
-    type: Literal["channel"]
-    length: float = quantity("m", "length along the floor, from x = 0", gt=0)
-    height: float = quantity("m", "height of the computed space above the fixed floor", gt=0)
-    bed_start: float = quantity("m", "x at which the recess for the bed begins", 0.0, ge=0)
-    bed_end: float | None = quantity(
-        "m", "x at which the recess ends; the length less the weir if left out", None
-    )
-    bed_thickness: float = quantity("m", "depth of the recess below the fixed floor", 0.0, ge=0)
-    weir_height: float = quantity(
-        "m", "crest of the end weir above the fixed floor; 0 is level with the bed", 0.0, ge=0
-    )
-    runout_start: float | None = quantity(
-        "m", "x at which the floor bends up to the slope of the run-out; no bend if left out", None
-    )
-    runout_slope: float = quantity(
-        "degree", "angle by which the floor of the run-out falls below the horizontal", 0.0
-    )
-    periodic: bool = quantity(NONE, "repeat the channel along x: no weir, no open end", False)
 
 
 class Block(Table):
@@ -347,7 +299,7 @@ def follow_dimension(data: Any) -> Any:
     """Return the data of a case in which radius and scheme left out follow the dimension."""
     geometry = data.get("geometry") if isinstance(data, dict) else None
     named = geometry.get("type") if isinstance(geometry, dict) else None
-    if named != "tank3d" and not isinstance(geometry, Tank3D):
+    if named not in THREE_DIMENSIONAL and not is_three_dimensional(geometry):
         return data
     data = dict(data)
     for name, defaults in (
@@ -366,7 +318,7 @@ class Case(Table):
     title: str = quantity(NONE, "one line that says what is computed")
     particles: Particles
     gravity: Gravity = Gravity()
-    geometry: Annotated[Tank | Channel | Tank3D, Field(discriminator="type")]
+    geometry: Annotated[Geometry, Field(discriminator="type")]
     obstacle: Annotated[
         tuple[Annotated[AnyObstacle, Field(discriminator="type")], ...], Strict(False)
     ] = Field((), description="walls in the way of the flow, in three dimensions")
@@ -391,7 +343,7 @@ class Case(Table):
     @property
     def dimension(self) -> int:
         """Number of space dimensions: 2, or 3."""
-        return 3 if isinstance(self.geometry, Tank3D) else 2
+        return 3 if is_three_dimensional(self.geometry) else 2
 
     @model_validator(mode="before")
     @classmethod

@@ -12,7 +12,14 @@ from debrisflow.case.defaults import (
 )
 from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
-from debrisflow.case.regions import TOLERANCE, Geometry, covered
+from debrisflow.case.regions import (
+    TOLERANCE,
+    covered,
+)
+from debrisflow.case.shapes import (
+    Geometry,
+    is_three_dimensional,
+)
 from debrisflow.case.tables import (
     AnyFill,
     AnyScheme,
@@ -23,7 +30,6 @@ from debrisflow.case.tables import (
     Inflow,
     Particles,
     Scheme,
-    Tank3D,
     Time,
     Walls,
 )
@@ -34,7 +40,7 @@ HAS_NONE = "the explicit scheme has none; leave it out"
 
 def scheme_of_dimension(geometry: Geometry, scheme: AnyScheme) -> Problems:
     """Check that a scheme is validated in the dimension of the space."""
-    if isinstance(geometry, Tank3D) == isinstance(scheme, ExplicitScheme):
+    if is_three_dimensional(geometry) == isinstance(scheme, ExplicitScheme):
         return
     right, dimensions = (
         ("explicit", "two") if isinstance(scheme, Scheme) else ("semi-implicit", "three")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow import granular
-from debrisflow.case import tables
+from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import State, initial_state
@@ -35,7 +35,7 @@ def layer(rows: int, slope: float | None, wall_speed: float, temperature: str) -
             gravity=tables.Gravity(acceleration=0.0)
             if slope is None
             else tables.Gravity(slope=slope),
-            geometry=tables.Tank(
+            geometry=shapes.Tank(
                 type="tank",
                 width=width,
                 height=HEIGHT if closed else 1.5 * HEIGHT,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import initial_state
@@ -45,7 +45,7 @@ def channel(
             title="viscous",
             particles=tables.Particles(spacing=spacing),
             gravity=tables.Gravity(vector=body_force),
-            geometry=tables.Tank(
+            geometry=shapes.Tank(
                 type="tank",
                 width=width,
                 height=LENGTH if closed else 2.0 * LENGTH,
