@@ -170,6 +170,7 @@ class Explicit:
             self._set_walls(state)
         if state.step % self.REFRESH == 0:
             p.reorder_fluid(order_by_cell(p.position[p.fluid], self.lattice.spacing))
+            self._resistance.forget()
             self._choose_skin(state)
             self._list_neighbors(state)
             lost = np.empty(p.fluid_count, dtype=np.bool_)

@@ -57,6 +57,11 @@ class Resistance:
         self._down = numbers.gravity / (self._g or 1.0)
         self._is_even = len(concentrations(case)) == 1
         self._level = self._rate = self.viscosity = np.zeros(0)
+        self.forget()
+
+    def forget(self) -> None:
+        """Let the next exchange of momentum begin without what the last one found."""
+        self._gain = np.zeros((0, 3))
 
     def observe(
         self, p: Particles, fluid: pairs.Fluid, solid: pairs.Solid, near: pairs.Near
@@ -154,7 +159,12 @@ class Resistance:
         scale = dt * self._g or np.sqrt(np.mean((velocity - started) ** 2))
         goal = (RESIDUAL * scale) ** 2 * float(np.sum(flow.density[: p.fluid_count] ** 2))
         velocity[:] = started
-        return self._solved("the exchange of momentum", system, near, right, goal, velocity)
+        if self._gain.shape == velocity.shape:
+            # what goes on accelerating as before is found at once
+            velocity[: p.fluid_count] += self._gain[: p.fluid_count]
+        iterations = self._solved("the exchange of momentum", system, near, right, goal, velocity)
+        self._gain = velocity - started
+        return iterations
 
     def _flow(self, p: Particles) -> exchange.Flow:
         d0, rows = self.numbers.spacing, p.moving
