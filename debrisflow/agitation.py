@@ -13,6 +13,7 @@ from debrisflow.granular import algebraic_temperature, granular_pressure, granul
 from debrisflow.operators import strain_rate
 from debrisflow.pairs import (
     BLOCK,
+    across_wall,
     height_over,
     inverse_distance,
     separation,
@@ -27,7 +28,8 @@ CAP = 0.1  # of the study's granular temperature, see :func:`capped_temperature`
 def shear_rate_at(i, fluid, solid, near, numbers):
     """Return ``sqrt(2 D : D)``, 1/s, exact for a linear profile on any arrangement.
 
-    The same moments as in :func:`debrisflow.operators.shear_rate_at`.
+    The same moments as in :func:`debrisflow.operators.shear_rate_at`; of the way to a free-slip
+    wall only what leads across it counts, since the fluid shears along it as it does inside.
     """
     position, velocity = fluid.position, fluid.velocity
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
@@ -51,6 +53,7 @@ def shear_rate_at(i, fluid, solid, near, numbers):
         f = weight(inverse, numbers) * inverse * inverse
         height = height_over(dx, dy, dz, j, solid)
         du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, numbers)
+        dx, dy, dz = across_wall(dx, dy, dz, j, solid)
         xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
         xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
         ux, uy, uz = ux + f * du * dx, uy + f * du * dy, uz + f * du * dz

@@ -72,6 +72,7 @@ class Flow(NamedTuple):
     deepening: Floats
     ramp: Floats
     shear_rate: Floats
+    least: float
 
 
 @kernel
@@ -107,7 +108,8 @@ def pair_viscosity(i, j, flow, law):
     """
     strength = min(flow.ramp[i], flow.ramp[j]) * 0.5 * (flow.strength[i] + flow.strength[j])
     rate = 0.5 * (flow.shear_rate[i] + flow.shear_rate[j])
-    return 0.5 * (flow.viscosity[i] + flow.viscosity[j]) + yielding_viscosity(strength, rate, law)
+    viscosity = 0.5 * (flow.viscosity[i] + flow.viscosity[j])
+    return max(viscosity + yielding_viscosity(strength, rate, law), flow.least)
 
 
 @kernel

@@ -184,6 +184,19 @@ def height_over(dx, dy, dz, j, solid):
 
 
 @kernel
+def across_wall(dx, dy, dz, j, solid):
+    """Return a separation from wall particle j; from one that is free-slip the part across it."""
+    normal, slip = solid.normal, solid.slip[j]
+    across = slip * (dx * normal[j, 0] + dy * normal[j, 1] + dz * normal[j, 2])
+    along = 1.0 - slip
+    return (
+        along * dx + across * normal[j, 0],
+        along * dy + across * normal[j, 1],
+        along * dz + across * normal[j, 2],
+    )
+
+
+@kernel
 def wall_factor(height, j, solid, numbers):
     """Return by how much the velocity difference to wall particle j exceeds that to its surface."""
     return 1.0 + solid.depth[j] / max(height, 0.5 * numbers.spacing)

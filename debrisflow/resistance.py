@@ -58,6 +58,7 @@ class Resistance:
         self._is_even = len(concentrations(case)) == 1
         self._level = self._rate = self.viscosity = np.zeros(0)
         self.forget()
+        self.least = 0.05*numbers.sound_speed*numbers.spacing*numbers.density/5.0
 
     def forget(self) -> None:
         """Let the next exchange of momentum begin without what the last one found."""
@@ -170,7 +171,7 @@ class Resistance:
         d0, rows = self.numbers.spacing, p.moving
         strength, deepening, ramp = np.empty((3, rows.stop))
         flow = exchange.Flow(
-            p.density[rows], self.viscosity.copy(), strength, deepening, ramp, self._rate
+            p.density[rows], self.viscosity.copy(), strength, deepening, ramp, self._rate, self.least
         )
         exchange.resist(
             p.grain_pressure[rows],
