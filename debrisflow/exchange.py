@@ -64,6 +64,8 @@ class Flow(NamedTuple):
     ramp : (n,) float64 array
         Share of the strength that the concentration leaves.
     shear_rate : (n,) float64 array, 1/s
+    least_viscosity : float, Pa s
+        Between two particles: the artificial one, which adds nothing to what is more viscous.
     """
 
     density: Floats
@@ -72,7 +74,7 @@ class Flow(NamedTuple):
     deepening: Floats
     ramp: Floats
     shear_rate: Floats
-    least: float
+    least_viscosity: float
 
 
 @kernel
@@ -104,12 +106,12 @@ def pair_viscosity(i, j, flow, law):
 
     The mean of their viscosities, and the mean strength at the mean shear rate and the lesser
     ramp: the mean of the strengths, not of apparent viscosities, makes that of the plane between
-    two rows exact, and a film of Bingham fluid 20 rows deep right within 2 %.
+    two rows exact.
     """
     strength = min(flow.ramp[i], flow.ramp[j]) * 0.5 * (flow.strength[i] + flow.strength[j])
     rate = 0.5 * (flow.shear_rate[i] + flow.shear_rate[j])
     viscosity = 0.5 * (flow.viscosity[i] + flow.viscosity[j])
-    return max(viscosity + yielding_viscosity(strength, rate, law), flow.least)
+    return max(viscosity + yielding_viscosity(strength, rate, law), flow.least_viscosity)
 
 
 @kernel

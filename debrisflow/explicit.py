@@ -60,6 +60,10 @@ class Explicit:
         self._is_even = len(concentrations(case)) == 1
         self._set_numbers(case)
         self._resistance = Resistance(case, self._numbers)
+        self._force_numbers = self._numbers
+        if self._resistance.is_implicit:
+            # there the artificial viscosity is a part of the exchange of momentum
+            self._force_numbers = self._numbers._replace(artificial_viscosity=0.0)
         self._near = Neighbors(
             self.lattice.effective_radius, self.lattice.spacing, self.domain.period
         )
@@ -145,7 +149,7 @@ class Explicit:
         with self.seconds.of("forces"):
             velocity = p.velocity[p.moving].copy()
             compressible.advance_velocity(
-                dt, self._fluid(state), self._solid, self._list, self._numbers, velocity[rows]
+                dt, self._fluid(state), self._solid, self._list, self._force_numbers, velocity[rows]
             )
         if self._resistance.is_implicit:
             with self.seconds.of("exchange of momentum"):

@@ -53,12 +53,14 @@ class Resistance:
             sediment.packing_limit,
             stress.largest_concentration,
         )
+        # what the artificial viscosity along the line of two particles is in shear
+        kinematic = numbers.artificial_viscosity * numbers.sound_speed * numbers.spacing
+        self._least_viscosity = numbers.density * kinematic / (numbers.dimension + 2.0)
         self._g = float(np.linalg.norm(numbers.gravity))
         self._down = numbers.gravity / (self._g or 1.0)
         self._is_even = len(concentrations(case)) == 1
         self._level = self._rate = self.viscosity = np.zeros(0)
         self.forget()
-        self.least = 0.05*numbers.sound_speed*numbers.spacing*numbers.density/5.0
 
     def forget(self) -> None:
         """Let the next exchange of momentum begin without what the last one found."""
@@ -171,7 +173,13 @@ class Resistance:
         d0, rows = self.numbers.spacing, p.moving
         strength, deepening, ramp = np.empty((3, rows.stop))
         flow = exchange.Flow(
-            p.density[rows], self.viscosity.copy(), strength, deepening, ramp, self._rate, self.least
+            p.density[rows],
+            self.viscosity.copy(),
+            strength,
+            deepening,
+            ramp,
+            self._rate,
+            self._least_viscosity,
         )
         exchange.resist(
             p.grain_pressure[rows],
