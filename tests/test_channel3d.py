@@ -76,7 +76,8 @@ def surfaces(kind):
             head = raster((START, START), span, (0, HEIGHT))
             found[f"head wall, {side}"] = head, [1, 0, 0]
     else:
-        found["run-out"] = rising(raster((0, slope), across, (0, 0))), upward
+        inner = (0.5 * D0, WIDTH - 0.5 * D0)  # the cells of the side walls do not follow the slope
+        found["run-out"] = rising(raster((0, slope), inner, (0, 0))), upward
         beside = raster((START, LENGTH), (0, 0), (0, HEIGHT))
         beside = beside[beside[:, 2] > (beside[:, 0] - START) * np.tan(BEND)]
         found["front of the run-out"] = beside, [0, 1, 0]
