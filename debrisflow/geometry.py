@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import shapes, tables
 from debrisflow.case.bodies import MeshFill
-from debrisflow.case.regions import extent_across, recess, surface_of
+from debrisflow.case.regions import extent_across, recess, runout_rise, surface_of
 from debrisflow.case.shapes import is_three_dimensional, plain_edges
 from debrisflow.surface import cells_inside
 
@@ -74,7 +74,8 @@ def domain(case: tables.Case) -> Domain:
         closed[1], closed[2, 0] = edges is None, True
         front, back = edges or (-d0, width + d0)
         lower = np.array([-d0, front, -shape.bed_thickness - d0])
-        upper = np.array([length, back, shape.height])
+        rise = runout_rise(shape, case.gravity) if edges else 0.0
+        upper = np.array([length, back, shape.height + rise])
         period = np.array([length if shape.periodic else 0.0, 0.0, 0.0])
         if edges is not None:
             assert shape.runout_start is not None

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from debrisflow import geometry
 from debrisflow.case import shapes, tables
+from debrisflow.case.shapes import plain_edges
 from debrisflow.hydrostatic import are_among
 from debrisflow.measures import gravity_vector
 from debrisflow.particles import Kind, Particles
@@ -206,10 +207,12 @@ def _in_space(case: tables.Case, position: Floats) -> NDArray[np.bool_]:
     """Return which points lie over the floor of the space and below the rim of its walls."""
     shape, up = case.geometry, case.dimension - 1
     x, y, level = position[:, 0], position[:, 1], position[:, up]
-    inside = (level < shape.height) & geometry.is_over_floor(case, x, y)
+    inside = geometry.is_over_floor(case, x, y)
     if isinstance(shape, shapes.ChannelShape) and shape.runout_start is not None:
         inside &= geometry.height_over_floor(case, x, level, x) > 0.0
-    return np.asarray(inside)
+    if plain_edges(shape) is not None:
+        level = level - np.maximum(geometry.floor_level(case, x), 0.0)
+    return np.asarray(inside & (level < shape.height))
 
 
 def _near(surface: Floats, position: Floats, reach: float, period: Floats) -> Cells:

@@ -17,8 +17,9 @@ import pyvista
 
 from debrisflow.case import load_case, tables
 from debrisflow.case.bodies import BoxObstacle
-from debrisflow.case.regions import surface_of
-from debrisflow.case.shapes import Tank3D
+from debrisflow.case.fields import Interval
+from debrisflow.case.regions import recess, runout_rise, surface_of
+from debrisflow.case.shapes import Channel3D, is_three_dimensional, plain_edges
 from debrisflow.output import CASE, FRAMES
 from debrisflow.particles import Kind
 from debrisflow.vtu import read_collection
@@ -26,6 +27,7 @@ from debrisflow.vtu import read_collection
 mpl.use("Agg")
 from matplotlib import pyplot as plt
 
+Box = tuple[Interval, Interval, Interval]
 # axes that are drawn to the right and up
 ABOVE, SIDE = [0, 1], [0, 2]
 # colors of Okabe & Ito, which color-blind readers can tell apart
@@ -62,11 +64,8 @@ def draw(axes: plt.Axes, path: Path, by: str, view: list[int]) -> None:
 
 
 def outline(axes: plt.Axes, case: tables.Case, view: list[int]) -> None:
-    """Draw the edges of a tank in three dimensions, of its boxes and of its meshes' triangles."""
-    shape = case.geometry
-    assert isinstance(shape, Tank3D)
-    tank = ((0.0, shape.length), (0.0, shape.width), (0.0, shape.height))
-    boxes = []
+    """Draw the edges of a space in three dimensions, of its boxes and of its meshes' triangles."""
+    boxes = spaces(axes, case, view)
     for obstacle in case.obstacle:
         if isinstance(obstacle, BoxObstacle):
             boxes.append((obstacle.x, obstacle.y, obstacle.z))
@@ -74,11 +73,31 @@ def outline(axes: plt.Axes, case: tables.Case, view: list[int]) -> None:
         for corners in surface_of(obstacle).corners:
             triangle = corners[[0, 1, 2, 0]][:, view]
             axes.plot(*triangle.T, color=COLORS[Kind.WALL], linewidth=0.3)
-    for box in (tank, *boxes):
+    for box in boxes:
         (left, right), (lower, upper) = (box[axis] for axis in view)
         edges = plt.Rectangle((left, lower), right - left, upper - lower)
         edges.set(fill=False, edgecolor=COLORS[Kind.WALL], linewidth=1.0)
         axes.add_patch(edges)
+
+
+def spaces(axes: plt.Axes, case: tables.Case, view: list[int]) -> list[Box]:
+    """Return tank or flume, its recess and its run-out as boxes; from the side draw a run-out."""
+    shape = case.geometry
+    assert is_three_dimensional(shape)
+    start = shape.runout_start if isinstance(shape, Channel3D) else None
+    end = shape.length if start is None else start
+    boxes: list[Box] = [((0.0, end), (0.0, shape.width), (0.0, shape.height))]
+    hollow = recess(shape, case.particles)
+    if hollow is not None:
+        x, y, z = zip(hollow.lower, hollow.upper, strict=True)
+        boxes.append((x, y, z))
+    if isinstance(shape, Channel3D) and start is not None:
+        rise, across = runout_rise(shape, case.gravity), plain_edges(shape) or (0.0, shape.width)
+        if view == ABOVE:
+            boxes.append(((start, shape.length), across, (0.0, rise)))
+        else:
+            axes.plot([start, shape.length], [0.0, rise], color=COLORS[Kind.WALL], linewidth=1.0)
+    return boxes
 
 
 @click.command()

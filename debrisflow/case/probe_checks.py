@@ -15,6 +15,7 @@ from debrisflow.case.probes import (
     VolumeProbe,
 )
 from debrisflow.case.problems import Problem, did_you_mean, either
+from debrisflow.case.regions import runout_rise
 from debrisflow.case.shapes import (
     Channel,
     Channel3D,
@@ -26,6 +27,7 @@ from debrisflow.case.shapes import (
 )
 from debrisflow.case.tables import (
     AnyObstacle,
+    Gravity,
     Particles,
 )
 
@@ -60,10 +62,12 @@ def coordinates_of_probes(probe: Probes, geometry: Geometry) -> Problems:
             yield Problem(f"probe.{k}.about", message, one.about)
 
 
-def places_of_probes(probe: Probes, geometry: Geometry, particles: Particles) -> Problems:
+def places_of_probes(
+    probe: Probes, geometry: Geometry, gravity: Gravity, particles: Particles
+) -> Problems:
     """Check that probes stand in the space, and sections a spacing from its ends."""
     slack = TOLERANCE * particles.spacing
-    space = _extents(geometry)
+    space = _extents(geometry, gravity)
     for k, one in enumerate(probe):
         for axis, (lower, upper) in space.items():
             place = getattr(one, axis, None)
@@ -122,15 +126,17 @@ def walls_of_probes(
             yield Problem(f"probe.{k}.wall", message, one.wall)
 
 
-def _extents(geometry: Geometry) -> dict[str, tuple[float, float]]:
+def _extents(geometry: Geometry, gravity: Gravity) -> dict[str, tuple[float, float]]:
     if isinstance(geometry, Tank3D):
         ends = (geometry.length, geometry.width, geometry.height)
         return {axis: (0.0, end) for axis, end in zip("xyz", ends, strict=True)}
     if isinstance(geometry, Channel3D):
+        plain = plain_edges(geometry)
+        rise = runout_rise(geometry, gravity) if plain else 0.0
         return {
             "x": (0.0, geometry.length),
-            "y": plain_edges(geometry) or (0.0, geometry.width),
-            "z": (-geometry.bed_thickness, geometry.height),
+            "y": plain or (0.0, geometry.width),
+            "z": (-geometry.bed_thickness, geometry.height + rise),
         }
     if isinstance(geometry, Channel):
         return {"x": (0.0, geometry.length), "y": (-geometry.bed_thickness, geometry.height)}

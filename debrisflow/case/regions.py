@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import prod
+from math import prod, radians, tan
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,6 +22,7 @@ from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
     Bed,
+    Gravity,
     Inflow,
     Particles,
 )
@@ -76,6 +77,14 @@ def bed_end(geometry: ChannelShape, particles: Particles) -> float:
     end = geometry.length if geometry.runout_start is None else geometry.runout_start
     # Rounded to picometers so that 7 - 4 * 0.02 is written as 6.92.
     return round(end - WEIR_SPACINGS * particles.spacing, 12)
+
+
+def runout_rise(geometry: ChannelShape, gravity: Gravity) -> float:
+    """Return the level of the far end of a run-out, m; 0 without one."""
+    if geometry.runout_start is None:
+        return 0.0
+    bend = gravity.fall - radians(geometry.runout_slope)
+    return (geometry.length - geometry.runout_start) * tan(bend)
 
 
 def recess(geometry: Geometry, particles: Particles) -> Region | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import combinations
-from math import degrees, isfinite, radians, tan
+from math import degrees, isfinite
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import Interval
@@ -17,6 +17,7 @@ from debrisflow.case.regions import (
     covered,
     occupied,
     open_space,
+    runout_rise,
     shared_space,
 )
 from debrisflow.case.shapes import (
@@ -226,8 +227,8 @@ def runout_behind_bed(geometry: Geometry, gravity: Gravity, particles: Particles
             f"at least {behind:g} and at most {before:g} m"
         )
         yield Problem("geometry.runout_start", message, start)
-    rise = (geometry.length - start) * tan(radians(bend))
-    if rise >= geometry.height:
+    rise = runout_rise(geometry, gravity)
+    if rise >= geometry.height and plain_edges(geometry) is None:
         message = f"must be greater than the rise of the run-out along the x axis, {rise:.3g} m"
         yield Problem("geometry.height", message, geometry.height)
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from itertools import product
-from math import hypot, radians, sqrt, tan
+from math import hypot, sqrt
 
-from debrisflow.case.regions import Region, covered, recess, section_of_supply
+from debrisflow.case.regions import Region, covered, recess, runout_rise, section_of_supply
 from debrisflow.case.shapes import Channel3D, Geometry, Tank3D, is_three_dimensional
 from debrisflow.case.tables import (
     AnyFill,
@@ -67,8 +67,7 @@ def _floors(
     end, width = geometry.length, geometry.width
     if isinstance(geometry, Tank3D) or geometry.runout_start is None:
         return [Region((0.0, 0.0, 0.0), (end, width, 0.0)), recess(geometry, particles)]
-    start = geometry.runout_start
-    rise = (end - start) * tan(gravity.fall - radians(geometry.runout_slope))
+    start, rise = geometry.runout_start, runout_rise(geometry, gravity)
     return [
         Region((0.0, 0.0, 0.0), (start, width, 0.0)),
         Region((end, 0.0, rise), (end, width, rise)),

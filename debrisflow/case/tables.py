@@ -111,7 +111,8 @@ class Walls(Table):
     """The named walls."""
 
     floor: Wall = Field(
-        default=Wall(), description="floor of the tank, or fixed floor of the channel"
+        default=Wall(),
+        description="floor of a tank, or of a channel and its run-out",
     )
     bed: Wall = Field(default=Wall(), description="floor and steps of the recess under the bed")
     left: Wall = Field(default=Wall(), description="wall at x = 0")
@@ -119,8 +120,14 @@ class Walls(Table):
         default=Wall(), description="wall at x = width, or the end weir of a channel"
     )
     ceiling: Wall = Field(default=Wall(), description="ceiling of a tank")
-    front: Wall = Field(default=Wall(), description="wall at y = 0, in three dimensions")
-    back: Wall = Field(default=Wall(), description="wall at y = width, in three dimensions")
+    front: Wall = Field(
+        default=Wall(),
+        description="wall at y = 0, in three dimensions, and the head wall beside it",
+    )
+    back: Wall = Field(
+        default=Wall(),
+        description="wall at y = width, in three dimensions, and the head wall beside it",
+    )
 
 
 class Hydrograph(Table):
