@@ -81,12 +81,12 @@ def places_of_probes(
                 yield Problem(f"probe.{k}.{axis}", message, place)
 
 
-def boxes_of_probes(probe: Probes, geometry: Geometry) -> Problems:
+def boxes_of_probes(probe: Probes, geometry: Geometry, gravity: Gravity) -> Problems:
     """Check that the box of a probe has a volume, part of it in the space."""
     for k, one in enumerate(probe):
         if not isinstance(one, VolumeProbe):
             continue
-        for axis, (lower, upper) in _extents(geometry).items():
+        for axis, (lower, upper) in _extents(geometry, gravity).items():
             extent = getattr(one, axis)
             if extent is None:
                 continue
