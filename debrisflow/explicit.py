@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from debrisflow import agitation, boundary, compressible, geometry, pairs
 from debrisflow.case import tables
 from debrisflow.case.defaults import LARGEST_PATH, VISCOUS_LIMIT
+from debrisflow.case.materials import bulk_density
 from debrisflow.clock import Clock
 from debrisflow.errors import DivergedError
 from debrisflow.granular import Grains, radial_distribution
@@ -65,7 +66,7 @@ class Explicit:
     def _set_material(self, case: tables.Case) -> None:
         is_mixture = any(part.material == "mixture" for part in case.fill)
         share = case.mixture.concentration if is_mixture else 0.0
-        self._density = case.water.density + share * (case.sediment.density - case.water.density)
+        self._density = bulk_density(share, case.water, case.sediment, case.strength)
         given = case.mixture.viscosity if is_mixture else case.water.viscosity
         self._viscosity = given / self._density
         self._grains = Grains(

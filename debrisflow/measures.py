@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from debrisflow.case import tables
+from debrisflow.case.materials import pore_density
 from debrisflow.grid import Grid, locate, plan, wrapped
 from debrisflow.particles import Kind, Particles
 from debrisflow.state import PHASES
@@ -95,9 +96,9 @@ def mass(case: tables.Case, number: ArrayLike, sediment: ArrayLike) -> Floats:
     sediment : (...) array
         The volume of sediment in them, in particles.
     """
-    water, volume = case.water.density, particle_volume(case)
-    excess = case.sediment.density - water
-    return np.asarray(number) * (water * volume) + np.asarray(sediment) * (excess * volume)
+    pores, volume = pore_density(case.water, case.strength), particle_volume(case)
+    excess = case.sediment.density - pores
+    return np.asarray(number) * (pores * volume) + np.asarray(sediment) * (excess * volume)
 
 
 def is_fluid(kind: ArrayLike) -> NDArray[np.bool_]:

@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 from debrisflow._jit import kernel, loop
 from debrisflow.operators import contact, velocity_difference, wall_distance
 from debrisflow.rheology import (
-    frictional_viscosity,
+    consistency_viscosity,
     harmonic_mean,
     mixing_length,
+    ramp,
     turbulent_viscosity,
     wall_friction,
+    yield_strength,
+    yielding_viscosity,
 )
 
 Floats = NDArray[np.float64]
@@ -106,14 +109,31 @@ def predict(dt, gravity, velocity, matter, thrown, is_viscous, walls, stencil, p
 
 
 @kernel
-def exchange_row_at(i, dt, fluid_count, matter, strength, walls, stencil, system, right):
+def strength_viscosity(pressure, c, shear_rate, law):
+    """Return the viscosity of what yields at the strength of the law, with its ramp, Pa s."""
+    share = ramp(c, law)
+    if share == 0.0:
+        return 0.0
+    strength = yield_strength(pressure, c, shear_rate, law)
+    return share * yielding_viscosity(strength, shear_rate, law)
+
+
+@kernel
+def smooth_viscosity(i, matter, law):
+    """Return the viscosity of particle i but for its strength: Newtonian, eddies, consistency."""
+    c, newtonian = matter.concentration[i], matter.viscosity[i] + matter.turbulent_viscosity[i]
+    return newtonian + ramp(c, law) * consistency_viscosity(c, matter.shear_rate[i], law)
+
+
+@kernel
+def exchange_row_at(i, dt, fluid_count, matter, law, walls, stencil, system, right):
     """Write row i of the implicit exchange of momentum after the pressure projection.
 
         rho_i u_i + dt sum of K_ij (u_i - u_j) = rho_i u**_i
         K_ij = (2 Ds / (lambda n0)) w eta_ij
 
-    eta_ij is the harmonic mean of the viscosities (Newtonian and turbulent) plus the friction of
-    the grains at the pair's mean pressure, shear rate and lesser concentration.  K is symmetric:
+    eta_ij is the harmonic mean of :func:`smooth_viscosity` plus :func:`strength_viscosity` at the
+    pair's mean pressure, shear rate and lesser concentration.  K is symmetric:
     what one particle loses the other gains.
     Coefficients are taken at the velocities given, one pass.  Walls and inflow have their own
     velocity; a wall's is mirrored as in :func:`velocity_difference`, and with a free-slip wall
@@ -125,10 +145,9 @@ def exchange_row_at(i, dt, fluid_count, matter, strength, walls, stencil, system
     """
     r_e = stencil.effective_radius
     factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
-    velocity, density, viscosity = matter.velocity, matter.density, matter.viscosity
-    eddies, c = matter.turbulent_viscosity, matter.concentration
+    velocity, density, c = matter.velocity, matter.density, matter.concentration
     shear_rate, grain_pressure = matter.shear_rate, matter.grain_pressure
-    mu_i = viscosity[i] + eddies[i]
+    mu_i = smooth_viscosity(i, matter, law)
     diagonal = density[i]
     x, y, z = (
         density[i] * velocity[i, 0],
@@ -148,18 +167,20 @@ def exchange_row_at(i, dt, fluid_count, matter, strength, walls, stencil, system
                 if k < stencil.unknown_count[i]
                 else grain_pressure[i]
             )
-            mu = viscosity[i] if walls.roughness[j] > 0.0 else mu_i
-            eta = mu + frictional_viscosity(p, c[i], shear_rate[i], strength)
+            mu = mu_i
+            if walls.roughness[j] > 0.0:
+                mu -= matter.turbulent_viscosity[i]
+            eta = mu + strength_viscosity(p, c[i], shear_rate[i], law)
             mirror = 1.0 + walls.depth[j] / wall_distance(i, k, walls, stencil)
             coupling = dt * factor * w * eta * mirror
         elif j >= fluid_count:
             coupling = dt * factor * w * mu_i
         else:
-            eta = harmonic_mean(mu_i, viscosity[j] + eddies[j]) + frictional_viscosity(
+            eta = harmonic_mean(mu_i, smooth_viscosity(j, matter, law)) + strength_viscosity(
                 0.5 * (grain_pressure[i] + grain_pressure[j]),
                 min(c[i], c[j]),
                 0.5 * (shear_rate[i] + shear_rate[j]),
-                strength,
+                law,
             )
             coupling = dt * factor * w * eta
         diagonal += coupling
@@ -177,14 +198,14 @@ def exchange_row_at(i, dt, fluid_count, matter, strength, walls, stencil, system
 
 
 @loop
-def assemble_exchange(dt, fluid_count, matter, strength, walls, stencil, system, right):
+def assemble_exchange(dt, fluid_count, matter, law, walls, stencil, system, right):
     """Write the implicit exchange of momentum for every fluid particle.
 
     The system must take its columns from the stencil's neighbors; a neighbor whose velocity is
     given has the value 0 in its row and a part in the right side.
     """
     for i in prange(fluid_count):
-        exchange_row_at(i, dt, fluid_count, matter, strength, walls, stencil, system, right)
+        exchange_row_at(i, dt, fluid_count, matter, law, walls, stencil, system, right)
 
 
 @kernel

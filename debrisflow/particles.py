@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from debrisflow import geometry
 from debrisflow.case import tables
+from debrisflow.case.materials import bulk_density
 from debrisflow.walls import WallPoints, wall_points
 
 Floats = NDArray[np.float64]
@@ -217,9 +218,7 @@ def set_fraction(
 ) -> None:
     """Give rows a sediment fraction and the density of that mixture with water."""
     particles.sediment_fraction[rows] = fraction
-    particles.density[rows] = case.water.density + fraction * (
-        case.sediment.density - case.water.density
-    )
+    particles.density[rows] = bulk_density(fraction, case.water, case.sediment, case.strength)
 
 
 def seed(case: tables.Case) -> Particles:

@@ -7,14 +7,16 @@ from numpy.typing import NDArray
 
 from debrisflow import boundary, geometry, granular, momentum, operators, pressure
 from debrisflow.case import tables
+from debrisflow.case.materials import pore_density
 from debrisflow.clock import Clock
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.lattice import reference
+from debrisflow.laws import law_of
 from debrisflow.linear import Solver, remove_mean
 from debrisflow.measures import gravity_vector
 from debrisflow.neighbors import Neighbors, order_by_cell
 from debrisflow.particles import Kind, Particles, supply
-from debrisflow.rheology import DragLaw, Strength
+from debrisflow.rheology import DragLaw
 from debrisflow.slip import Materials, Slip
 from debrisflow.state import State
 from debrisflow.system import empty_system, residual
@@ -90,15 +92,8 @@ class SemiImplicit:
         self._exchange_solver = Solver(EXCHANGE_TOLERANCE)
 
     def _set_materials(self, case: tables.Case) -> None:
-        sediment, strength = case.sediment, case.strength
-        is_coulomb = strength.law == "coulomb"
-        self._strength = Strength(
-            float(np.tan(np.radians(strength.friction_angle))) if is_coulomb else 0.0,
-            strength.mixing_length if is_coulomb else 0.0,
-            *strength.concentration_ramp,
-            strength.smallest_shear_rate,
-            strength.largest_viscosity,
-        )
+        sediment = case.sediment
+        self._law = law_of(case)
         self._slip: Slip | None = None
         if case.drag.law != "none":
             drag = DragLaw(
@@ -117,7 +112,8 @@ class SemiImplicit:
             case.collision_stress.largest_concentration,
         )
         self._find_temperatures = granular.TEMPERATURES[case.collision_stress.granular_temperature]
-        self._has_strength = is_coulomb
+        self._has_strength = case.strength.law != "none"
+        self._mixing_length = case.strength.mixing_length
         self._has_collisions = case.collision_stress.enabled
         self._thrown = np.zeros((0, 3))
         self._is_rough = any(
@@ -206,7 +202,7 @@ class SemiImplicit:
 
         with self.seconds.of("corrector"):
             self._correct(p, velocity, dt, solved)
-        if self._has_strength:
+        if self._law.friction > 0.0:
             self._balance_grains(p)
         if self._has_strength and p.fluid_count > 0:
             velocity = self._exchange_momentum(p, velocity, dt)
@@ -282,7 +278,7 @@ class SemiImplicit:
             self._shear_rate,
             np.maximum(geometry.height_over_floor(case, x, y, x), 0.5 * self.lattice.spacing),
             geometry.floor_roughness(case, x),
-            self._strength.mixing_length,
+            self._mixing_length,
             self._turbulent_viscosity,
         )
 
@@ -400,12 +396,13 @@ class SemiImplicit:
     def _balance_grains(self, p: Particles) -> None:
         """Solve the static pressure between the grains of the bed."""
         m = p.unknown_count
-        submerged = self.case.sediment.density - self.case.water.density
+        case = self.case
+        submerged = case.sediment.density - pore_density(case.water, case.strength)
         with self.seconds.of("grain pressure"):
             granular.assemble_grain_pressure(
                 p.fluid_count,
                 self._level_concentration,
-                WEIGHING * self._strength.ramp_start,
+                WEIGHING * self._law.ramp_start,
                 p.on_free_surface,
                 submerged,
                 self.gravity,
@@ -424,7 +421,7 @@ class SemiImplicit:
                 dt,
                 p.fluid_count,
                 self._matter(p, velocity),
-                self._strength,
+                self._law,
                 self._walls,
                 self._stencil,
                 self._room,

@@ -10,14 +10,29 @@ from debrisflow.case.defaults import complete
 from debrisflow.lattice import reference
 from debrisflow.neighbors import FixedNeighbors, Neighbors
 from debrisflow.particles import blank
-from debrisflow.rheology import DragLaw, Strength
+from debrisflow.rheology import DragLaw, Law
 from debrisflow.simulation import SCHEMES
 from debrisflow.state import initial_state
 from debrisflow.system import empty_system
 
 NOWHERE = np.zeros(3)  # periods of a domain that does not repeat
 RADII = [(2, 3.1), (2, 2.1), (3, 2.4), (3, 2.1)]  # dimension, influence radius in spacings
-NO_STRENGTH = Strength(0.0, 0.0, 0.20, 0.35, 0.001, 1e6)
+NO_STRENGTH = Law(
+    friction=0.0,
+    friction_span=0.0,
+    inertia=0.279,
+    grain_diameter=0.003,
+    grain_density=2650.0,
+    yield_stress=0.0,
+    yield_growth=0.0,
+    consistency=0.0,
+    exponent=1.0,
+    viscosity_growth=0.0,
+    ramp_start=0.20,
+    ramp_end=0.35,
+    smallest_shear_rate=0.001,
+    largest_viscosity=1e6,
+)
 GIDASPOW = DragLaw(0.2, 0.003, 1000.0, 1e-3, 0.55)
 WEN_YU = GIDASPOW._replace(ergun_from=np.inf)
 

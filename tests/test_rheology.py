@@ -6,7 +6,6 @@ from scipy.optimize import brentq
 
 from debrisflow import rheology
 from debrisflow.lattice import reference
-from debrisflow.rheology import Strength
 from tests.building import (
     GIDASPOW,
     NO_STRENGTH,
@@ -16,7 +15,31 @@ from tests.building import (
     stencil_of,
 )
 
-STRENGTH = Strength(0.7, 0.006, 0.10, 0.25, 0.005, 5e4)
+COULOMB = NO_STRENGTH._replace(
+    friction=0.7,
+    ramp_start=0.10,
+    ramp_end=0.25,
+    smallest_shear_rate=0.005,
+    largest_viscosity=5e4,
+)
+# glass beads of Jop et al. 2006
+BEADS = COULOMB._replace(
+    friction=np.tan(np.radians(20.9)),
+    friction_span=np.tan(np.radians(32.76)) - np.tan(np.radians(20.9)),
+    inertia=0.279,
+    grain_diameter=0.53e-3,
+    grain_density=2500.0,
+)
+HERSCHEL_BULKLEY = NO_STRENGTH._replace(yield_stress=30.0, consistency=5.0, exponent=0.4)
+# of the size of the muds of O'Brien & Julien 1988
+MUD = NO_STRENGTH._replace(
+    yield_stress=0.0181,
+    yield_growth=25.7,
+    consistency=0.0036,
+    viscosity_growth=22.1,
+    ramp_start=0.0,
+    ramp_end=1e-9,
+)
 SLOW = 5e-324  # the least positive number
 
 
@@ -51,33 +74,91 @@ def test_the_mixing_length_of_the_case_is_the_greatest():
     assert rheology.mixing_length(0.0, 0.01, 0.01) == 0.0
 
 
+def viscosity_of(pressure, c, rate, law):
+    """Return the viscosity of the whole law, Pa s."""
+    smooth = rheology.consistency_viscosity(c, rate, law)
+    strength = rheology.yield_strength(pressure, c, rate, law)
+    return rheology.ramp(c, law) * (smooth + rheology.yielding_viscosity(strength, rate, law))
+
+
 @pytest.mark.parametrize("pressure", [1.0, 300.0, 1e4])
 def test_packed_grains_yield_at_the_coulomb_stress(pressure):
     for rate in (0.7 * pressure / 5e4 * 1.001 + 0.005, 2.0, 1e3):
-        viscosity = rheology.frictional_viscosity(pressure, 0.5, rate, STRENGTH)
+        viscosity = viscosity_of(pressure, 0.5, rate, COULOMB)
         assert viscosity * rate == pytest.approx(0.7 * pressure, rel=1e-13)
 
 
-def test_friction_is_a_capped_viscosity_below_the_yield():
-    law = rheology.frictional_viscosity
-    assert law(1e4, 0.5, 0.0, STRENGTH) == 5e4
-    assert law(100.0, 0.5, 0.0, STRENGTH) == pytest.approx(0.7 * 100.0 / 0.005)
-    assert law(100.0, 0.5, 0.004, STRENGTH) == law(100.0, 0.5, 0.0, STRENGTH)
+def test_strength_is_a_capped_viscosity_below_the_yield():
+    assert viscosity_of(1e4, 0.5, 0.0, COULOMB) == 5e4
+    assert viscosity_of(100.0, 0.5, 0.0, COULOMB) == pytest.approx(0.7 * 100.0 / 0.005)
+    assert viscosity_of(100.0, 0.5, 0.004, COULOMB) == viscosity_of(100.0, 0.5, 0.0, COULOMB)
     rates = np.geomspace(1e-4, 1e3, 50)
-    stresses = [rate * law(100.0, 0.5, rate, STRENGTH) for rate in rates]
+    stresses = [rate * viscosity_of(100.0, 0.5, rate, COULOMB) for rate in rates]
     assert np.all(np.diff(stresses) >= -1e-12 * 70.0)
     assert max(stresses) <= 70.0 * (1 + 1e-14)
 
 
-def test_friction_grows_with_the_concentration_along_its_ramp():
+def test_strength_grows_with_the_concentration_along_its_ramp():
     c = np.array([0.0, 0.1, 0.175, 0.25, 0.5])
-    found = [rheology.frictional_viscosity(100.0, value, 1.0, STRENGTH) for value in c]
-    np.testing.assert_allclose(found, 70.0 * np.array([0.0, 0.0, 0.5, 1.0, 1.0]), rtol=1e-13)
+    for law in (COULOMB, BEADS, HERSCHEL_BULKLEY._replace(ramp_start=0.10, ramp_end=0.25)):
+        found = np.array([viscosity_of(100.0, value, 1.0, law) for value in c])
+        np.testing.assert_allclose(found / found[-1], [0.0, 0.0, 0.5, 1.0, 1.0], atol=1e-13)
 
 
-def test_no_pressure_between_grains_or_no_friction_is_no_strength():
-    assert rheology.frictional_viscosity(0.0, 0.5, 0.0, STRENGTH) == 0.0
-    assert rheology.frictional_viscosity(1e4, 0.5, 0.0, NO_STRENGTH) == 0.0
+def test_no_pressure_between_grains_or_no_law_is_no_strength():
+    for law in (COULOMB, BEADS):
+        assert viscosity_of(0.0, 0.5, 0.0, law) == 0.0
+        assert viscosity_of(0.0, 0.5, 1.0, law) == 0.0
+    assert viscosity_of(1e4, 0.5, 0.0, NO_STRENGTH) == 0.0
+
+
+@pytest.mark.parametrize("pressure", [1.0, 300.0, 1e4])
+def test_friction_grows_with_the_inertia_number_from_one_angle_to_the_other(pressure):
+    per_inertia = np.sqrt(pressure / 2500.0) / 0.53e-3
+
+    def mu(inertia):
+        return rheology.yield_strength(pressure, 0.5, inertia * per_inertia, BEADS) / pressure
+
+    slow, fast = np.tan(np.radians([20.9, 32.76]))
+    assert mu(0.0) == pytest.approx(slow, rel=1e-13)
+    assert mu(1e-9) == pytest.approx(slow, rel=1e-6)
+    assert mu(0.279) == pytest.approx(0.5 * (slow + fast), rel=1e-13)
+    assert mu(1e9) == pytest.approx(fast, rel=1e-6)
+    assert mu(0.1) == pytest.approx(slow + (fast - slow) / (1.0 + 0.279 / 0.1), rel=1e-13)
+
+
+def test_a_bingham_slurry_holds_up_to_its_yield_stress_whatever_the_pressure():
+    law = NO_STRENGTH._replace(yield_stress=50.0)
+    for rate in (0.001, 0.5, 1e3):
+        for pressure in (0.0, 1e4):
+            assert viscosity_of(pressure, 0.5, rate, law) * rate == pytest.approx(50.0, rel=1e-13)
+    assert viscosity_of(0.0, 0.5, 0.0, law) == pytest.approx(5e4, rel=1e-13)
+
+
+@pytest.mark.parametrize("exponent", [0.4, 1.0, 1.5])
+def test_the_flow_curve_of_a_herschel_bulkley_slurry(exponent):
+    law = HERSCHEL_BULKLEY._replace(exponent=exponent)
+    for rate in (0.001, 0.5, 1.0, 100.0):
+        stress = viscosity_of(0.0, 0.5, rate, law) * rate
+        assert stress == pytest.approx(30.0 + 5.0 * rate**exponent, rel=1e-13)
+
+
+def test_the_consistency_of_a_slurry_at_rest_is_bounded():
+    at_rest = rheology.consistency_viscosity(0.5, 0.0, HERSCHEL_BULKLEY)
+    assert at_rest == pytest.approx(5.0 * 0.001**-0.6, rel=1e-13)
+    capped = HERSCHEL_BULKLEY._replace(largest_viscosity=100.0)
+    assert rheology.consistency_viscosity(0.5, 0.0, capped) == 100.0
+    assert rheology.consistency_viscosity(0.5, 1.0, NO_STRENGTH) == 0.0
+
+
+def test_a_slurry_of_o_brien_and_julien_thickens_with_its_concentration():
+    # at C = 0.4: 0.0181 exp(10.28) = 527.5 Pa and 0.0036 exp(8.84) = 24.86 Pa s
+    assert rheology.yield_strength(0.0, 0.4, 1.0, MUD) == pytest.approx(527.5, rel=1e-4)
+    assert rheology.consistency_viscosity(0.4, 1.0, MUD) == pytest.approx(24.86, rel=1e-4)
+    stress = 20.0 * viscosity_of(0.0, 0.4, 20.0, MUD)
+    assert stress == pytest.approx(527.5 + 20.0 * 24.86, rel=1e-4)
+    assert viscosity_of(0.0, 0.0, 1.0, MUD) == 0.0
+    assert rheology.ramp(0.001, MUD) == 1.0
 
 
 def test_drag_of_a_packing_is_ergun_by_hand():
@@ -173,7 +254,8 @@ def test_grains_lose_their_freedom_towards_the_packing():
     assert rheology.freedom(0.95 * 0.55, 0.55) == pytest.approx(0.5)
 
 
-def test_what_one_particle_loses_the_other_gains():
+@pytest.mark.parametrize("law", [COULOMB, BEADS, HERSCHEL_BULKLEY, MUD])
+def test_what_one_particle_loses_the_other_gains(law):
     rng = np.random.default_rng(2)
     stencil = stencil_of(random_patch(2, 150, rng, length=8.0), reference(2, 3.1, 1.0))
     density = rng.choice([1000.0, 2650.0], 150)
@@ -182,7 +264,7 @@ def test_what_one_particle_loses_the_other_gains():
         random_patch(2, 150, rng),
         density,
         0.01,
-        STRENGTH,
+        law,
         viscosity=rng.uniform(0, 10.0, 150),
         turbulent_viscosity=rng.uniform(0, 10.0, 150),
         concentration=rng.uniform(0, 0.5, 150),

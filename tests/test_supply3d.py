@@ -6,7 +6,9 @@ import pytest
 from debrisflow import boundary, checkpoint, geometry
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
+from debrisflow.crossings import Crossings
 from debrisflow.particles import Kind
+from debrisflow.probes import probe_measures
 from debrisflow.state import initial_state
 from tests.test_checkpoint import identical
 
@@ -19,7 +21,7 @@ HYDROGRAPH = {
 }
 
 
-def flume(**inflow):
+def flume(probe=(), **inflow):
     """Return a case: a supply 3 particles deep and 6 wide, in a flume 10 wide."""
     return complete(
         Case(
@@ -28,6 +30,7 @@ def flume(**inflow):
             gravity={"slope": 15.0},
             geometry={"type": "channel3d", "length": 1.0, "width": 0.5, "height": 0.5},
             inflow={"depth": 0.15, "across": ACROSS} | inflow,
+            probe=probe,
             time={"end": 2.0},
             output={"interval": 1.0},
         )
@@ -132,6 +135,27 @@ def test_what_leaves_takes_its_own_sediment_along():
         state.left_sediment + state.through_wall_sediment + sediment,
         rtol=1e-12,
     )
+
+
+def test_a_section_sees_what_the_supply_brings():
+    case = flume(
+        velocity=0.8,
+        concentration=0.3,
+        probe=[{"name": "s", "type": "section", "x": 0.21, "interval": 0.1}],
+    )
+    state = initial_state(case)
+    crossings = Crossings(case, state)
+    while state.time < 0.5:
+        p = state.particles
+        p.position[p.fluid, 0] += 1e-3 * 0.8
+        boundary.advance_supply(state, case, 1e-3)
+        state.time += 1e-3
+        crossings.count(state)
+    section = probe_measures(case, state.particles)["s"]
+    *flow, volume, sediment = section.sample(state)
+    np.testing.assert_allclose(flow, [0.036, 0.3 * 0.036, 0.3, 0.8, 0.15, 0.3])
+    slabs = np.floor((0.8 * 0.5 - 0.21) / D0 + 0.5)
+    np.testing.assert_allclose([volume, sediment], 18 * slabs * D0**3 * np.array([1.0, 0.3]))
 
 
 def test_a_supply_goes_on_bit_for_bit_from_a_checkpoint(tmp_path):

@@ -12,7 +12,7 @@ from itertools import pairwise
 from math import hypot, isclose, sqrt
 from typing import Any
 
-from debrisflow.case import obstacles, probe_checks, space, weakly_compressible
+from debrisflow.case import obstacles, probe_checks, space, strength_checks, weakly_compressible
 from debrisflow.case.bodies import MeshFill
 from debrisflow.case.defaults import (
     FEWEST_RELAXATION_STEPS,
@@ -20,6 +20,7 @@ from debrisflow.case.defaults import (
     viscous_limits,
 )
 from debrisflow.case.estimate import available_memory, estimate, size
+from debrisflow.case.materials import Mixture, Sediment, Strength, Water
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
 from debrisflow.case.shapes import (
@@ -37,13 +38,9 @@ from debrisflow.case.tables import (
     Drag,
     Gravity,
     Inflow,
-    Mixture,
     Particles,
     Scheme,
-    Sediment,
-    Strength,
     Time,
-    Water,
 )
 
 Fill = tuple[AnyFill, ...]
@@ -299,6 +296,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     concentrations_below_packing,
     collisions_within_clip,
     slip_of_pure_phases,
+    *strength_checks.CHECKS,
     *weakly_compressible.CHECKS,
     step_within_limits,
     density_relaxation_slow,

@@ -9,6 +9,7 @@ from math import hypot, inf, sqrt
 from typing import TypeVar
 
 from debrisflow.case.fields import Table
+from debrisflow.case.materials import Mixture, Sediment, Strength, Water, bulk_density
 from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
 from debrisflow.case.regions import bed_end, extent_across, section_of_supply
 from debrisflow.case.shapes import Channel, Channel3D, Geometry, is_three_dimensional
@@ -20,14 +21,10 @@ from debrisflow.case.tables import (
     ExplicitScheme,
     Gravity,
     Inflow,
-    Mixture,
     Output,
     Particles,
     Scheme,
-    Sediment,
-    Strength,
     Walls,
-    Water,
 )
 
 RELAXATION_STEPS = 50
@@ -97,7 +94,7 @@ def viscous_limits(
     solid = mixture.concentration
     if is_three_dimensional(geometry):
         solid = min(solid, *_carried(inflow), 1.0)
-    mixed_density = water.density + solid * (sediment.density - water.density)
+    mixed_density = bulk_density(solid, water, sediment, strength)
     properties = {
         "water": (water.density, water.viscosity),
         "sediment": (sediment.density, sediment.viscosity),

@@ -8,6 +8,7 @@ from math import degrees, isfinite
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import Interval
+from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import (
     MESH_SLACK,
@@ -37,7 +38,6 @@ from debrisflow.case.tables import (
     Gravity,
     Inflow,
     Particles,
-    Strength,
     Walls,
 )
 

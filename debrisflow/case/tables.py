@@ -13,6 +13,7 @@ from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
+from debrisflow.case.materials import Mixture, Sediment, Strength, Water
 from debrisflow.case.probes import AnyProbe
 from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensional
 
@@ -166,36 +167,6 @@ class Inflow(Table):
     )
 
 
-class Water(Table):
-    """The liquid phase."""
-
-    density: float = quantity("kg/m3", "density of water", 1000.0, gt=0)
-    viscosity: float = quantity("Pa s", "dynamic viscosity of water", 1.0e-3, ge=0)
-
-
-class Sediment(Table):
-    """The solid phase: grains of rock."""
-
-    density: float = quantity("kg/m3", "density of the rock", 2650.0, gt=0)
-    viscosity: float = quantity("Pa s", "dynamic viscosity of sediment particles", 1.0e-3, ge=0)
-    grain_diameter: float = quantity("m", "mean grain diameter", 3.0e-3, gt=0)
-    restitution: float = quantity(
-        NONE, "coefficient of restitution between grains", 0.7, ge=0, lt=1
-    )
-    packing_limit: float = quantity(
-        NONE, "greatest volumetric concentration of a packing", 0.55, gt=0, lt=1
-    )
-
-
-class Mixture(Table):
-    """One kind of particle that stands for sediment and water together."""
-
-    concentration: float = quantity(
-        NONE, "volumetric sediment concentration of a mixture particle", 0.5, ge=0, lt=1
-    )
-    viscosity: float = quantity("Pa s", "dynamic viscosity of the mixture", 1.0e-3, ge=0)
-
-
 class CollisionStress(Table):
     """Kinetic-theory stress of colliding grains."""
 
@@ -227,32 +198,6 @@ class Drag(Table):
         "wen-yu: settles nearly as Richardson & Zaki found; gidaspow: Ergun's law above a "
         "concentration of 0.2; none: no slip, particles of both phases push each other aside",
         "none",
-    )
-
-
-class Strength(Table):
-    """Friction of packed grains and turbulence of the flow over them."""
-
-    law: Literal["none", "coulomb"] = quantity(NONE, "strength of the bed", "none")
-    friction_angle: float = quantity("degree", "angle of internal friction", 35.0, gt=0, lt=90)
-    mixing_length: float = quantity(
-        "m",
-        "greatest mixing length of the turbulent viscosity; over a rough floor "
-        "kappa (y + roughness / 30) at a height y where that is less",
-        0.0,
-        ge=0,
-    )
-    concentration_ramp: Interval = quantity(
-        NONE,
-        "concentrations between which the strength grows from 0 to full; "
-        "from half of the first on, grains weigh on those below",
-        (0.20, 0.35),
-    )
-    smallest_shear_rate: float = quantity(
-        "1/s", "shear rate below which the friction is viscous", 0.001, gt=0
-    )
-    largest_viscosity: float = quantity(
-        "Pa s", "viscosity at which the friction is capped", 1.0e6, gt=0
     )
 
 

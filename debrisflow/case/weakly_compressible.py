@@ -8,8 +8,10 @@ from debrisflow.case.defaults import (
     FEWEST_RELAXATION_STEPS,
     LARGEST_DIFFUSION,
     acoustic_step,
+    phases,
     sound_speed,
 )
+from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import (
     TOLERANCE,
@@ -29,7 +31,6 @@ from debrisflow.case.tables import (
     Inflow,
     Particles,
     Scheme,
-    Strength,
     Time,
     Walls,
 )
@@ -71,16 +72,23 @@ def laws_of_mixture(
     strength: Strength,
     collision_stress: CollisionStress,
     fill: Fill,
+    inflow: Inflow | None,
+    geometry: Geometry,
 ) -> Problems:
-    """Check that the explicit scheme is asked for no law but the collision stress of a mixture."""
+    """Check that the explicit scheme is asked for no slip and no turbulence, and has grains."""
     if not isinstance(scheme, ExplicitScheme):
         return
-    for name, law in (("drag", drag.law), ("strength", strength.law)):
-        if law != "none":
-            yield Problem(f"{name}.law", HAS_NONE, law)
+    if drag.law != "none":
+        yield Problem("drag.law", HAS_NONE, drag.law)
+    if strength.mixing_length > 0:
+        yield Problem("strength.mixing_length", HAS_NONE, strength.mixing_length)
+    has_grains = "mixture" in phases(fill, inflow, geometry)
+    if strength.law != "none" and not has_grains:
+        message = "has no effect on water; fill with 'mixture'"
+        yield Problem("strength.law", message, strength.law)
     if not collision_stress.enabled:
         return
-    if all(part.material != "mixture" for part in fill):
+    if not has_grains:
         message = "there are no grains to collide; fill with 'mixture'"
         yield Problem("collision_stress.enabled", message, collision_stress.enabled)
     if collision_stress.granular_temperature == "fluctuation":
