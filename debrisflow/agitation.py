@@ -132,10 +132,10 @@ def neighborhood_temperatures(fluid, near, c, grains, numbers, temperature):
 
 
 @kernel
-def _concentrations(first, last, fraction, down, fluid, near, numbers, around, at_level):
+def _concentrations(first, last, fraction, level, down, fluid, near, numbers, around, at_level):
     position = fluid.position
     for i in range(first, last):
-        total, share, level_total, level_share = 2.0, 2.0 * fraction[i], 2.0, 2.0 * fraction[i]
+        total, share, level_total, level_share = 2.0, 2.0 * fraction[i], 2.0, 2.0 * level[i]
         for k in range(near.fluid_count[i]):
             j = np.uint32(near.fluid[i, k])
             dx, dy, dz = separation(i, j, position, position, near.period)
@@ -144,21 +144,23 @@ def _concentrations(first, last, fraction, down, fluid, near, numbers, around, a
             below = inverse * (down[0] * dx + down[1] * dy + down[2] * dz)
             aside = w * (1.0 - below * below)
             total, share = total + w, share + w * fraction[j]
-            level_total, level_share = level_total + aside, level_share + aside * fraction[j]
+            level_total, level_share = level_total + aside, level_share + aside * level[j]
         around[i] = share / total
         at_level[i] = level_share / level_total
 
 
 @loop
-def concentrations(fraction, down, fluid, near, numbers, around, at_level):
+def concentrations(fraction, level, down, fluid, near, numbers, around, at_level):
     """Write the share of sediment around and at the level of every particle, (n,) float64 arrays.
 
+    Of ``fraction`` and of ``level``, both at first that of the particles; applied to its own results
+    it smooths them.
     The weights of :func:`debrisflow.granular.concentration` and of
     :func:`debrisflow.granular.level_concentration`, which says what each is for.
     """
     for block in prange((around.size + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, around.size)
-        _concentrations(first, last, fraction, down, fluid, near, numbers, around, at_level)
+        _concentrations(first, last, fraction, level, down, fluid, near, numbers, around, at_level)
 
 
 @loop

@@ -10,8 +10,15 @@ from debrisflow import geometry
 from debrisflow._jit import kernel, loop
 from debrisflow.case import tables
 from debrisflow.operators import WallSurface, contact
-from debrisflow.particles import Kind, Particles, supply, supply_column
-from debrisflow.state import State
+from debrisflow.particles import (
+    Kind,
+    Particles,
+    set_fraction,
+    supply,
+    supply_column,
+    whole_sediment,
+)
+from debrisflow.state import State, count_phases
 
 Floats = NDArray[np.float64]
 CONTACT_REACH = 1.5  # spacings within which a wall particle can be touched
@@ -88,7 +95,11 @@ def collide(fluid_count, velocity, density, walls, distance, restitution, stenci
 
 
 def advance_supply(state: State, case: tables.Case, dt: float) -> None:
-    """Move the supply by a step; what passes x = 0 turns into fluid, and new columns follow."""
+    """Move the supply by a step; what passes x = 0 turns into fluid, and new columns follow.
+
+    In three dimensions all that waits has the concentration of the present supply, so that the
+    sediment that enters is exact to the last column whatever the hydrograph.
+    """
     particles = state.particles
     if particles.inflow_count == 0:
         return
@@ -96,6 +107,8 @@ def advance_supply(state: State, case: tables.Case, dt: float) -> None:
     rows = particles.inflow
     particles.position[rows, 0] += dt * velocity
     particles.velocity[rows, 0] = velocity
+    if case.dimension == 3:
+        set_fraction(particles, rows, concentration, case)
     passed = particles.position[rows, 0] >= 0.0
     if passed.any():
         _release(state, np.nonzero(passed)[0] + particles.fluid_count)
@@ -105,9 +118,11 @@ def advance_supply(state: State, case: tables.Case, dt: float) -> None:
 def _release(state: State, rows: NDArray[np.int64]) -> None:
     """Turn inflow particles into fluid, behind the other fluid particles."""
     particles = state.particles
-    sediment = particles.sediment_fraction[rows] > 0.0
-    particles.kind[rows] = np.where(sediment, Kind.SEDIMENT, Kind.LIQUID)
-    state.entered += np.bincount(particles.kind[rows], minlength=state.entered.size)
+    fraction = particles.sediment_fraction[rows]
+    pure = np.where(fraction == 0.0, Kind.LIQUID, Kind.SEDIMENT)
+    kind = np.where((fraction > 0.0) & (fraction < 1.0), Kind.MIXTURE, pure)
+    particles.kind[rows] = kind
+    count_phases(kind, fraction, state.entered, state.entered_sediment)
     order = np.arange(particles.count)
     waiting = np.setdiff1d(order[particles.inflow], rows)
     order[particles.inflow] = np.concatenate([rows, waiting])
@@ -119,9 +134,10 @@ def _release(state: State, rows: NDArray[np.int64]) -> None:
 def _add_column(state: State, case: tables.Case, concentration: float) -> None:
     """Add a column of supply behind the last one; its sediment follows the concentration."""
     particles = state.particles
-    count = geometry.inflow_rows(case)
+    section = geometry.inflow_section(case)
+    count = section.wide * section.high
     state.supply_sediment += concentration * count
-    due = int(state.supply_sediment)
+    due = whole_sediment(case, state.supply_sediment)
     state.supply_sediment -= due
     x = particles.position[particles.inflow, 0].min() - case.particles.spacing
     column = supply_column(case, state.supply_columns, x, due)
@@ -175,10 +191,11 @@ def remove_lost(state: State, lost: NDArray[np.bool_]) -> None:
 
 
 def _remove(state: State, gone: NDArray[np.bool_], leaked: NDArray[np.bool_]) -> None:
-    particles, phases = state.particles, state.left.size
-    kind = particles.kind[particles.fluid]
-    state.left += np.bincount(kind[gone & ~leaked], minlength=phases)
-    state.through_wall += np.bincount(kind[leaked], minlength=phases)
+    particles = state.particles
+    kind, fraction = particles.kind[particles.fluid], particles.sediment_fraction[particles.fluid]
+    out = gone & ~leaked
+    count_phases(kind[out], fraction[out], state.left, state.left_sediment)
+    count_phases(kind[leaked], fraction[leaked], state.through_wall, state.through_wall_sediment)
     kept = np.concatenate([np.nonzero(~gone)[0], np.arange(particles.fluid_count, particles.count)])
     particles.take(kept)
     particles.fluid_count -= int(np.count_nonzero(gone))

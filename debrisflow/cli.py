@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -125,10 +126,13 @@ def init(file: Path, template: str) -> None:
 @_results
 def postprocess(folder: Path) -> None:
     """Derive front, profiles and deposit from the results in the folder RUN."""
-    from debrisflow.postprocess import postprocess
+    from debrisflow.postprocess import arrivals, postprocess
 
     for path in postprocess(folder):
         click.echo(f"wrote {path}")
+    for name, time in arrivals(folder).items():
+        told = "nothing has passed" if isnan(time) else f"first passed by t = {time:g} s"
+        click.echo(f"section {name}: {told}")
 
 
 @main.command()

@@ -122,7 +122,7 @@ def forecast(case: Case) -> Forecast:
     The number of steps is an upper estimate, since friction and walls keep the flow below the
     speed of a free fall.
     """
-    given = given_speed(case.fill, case.inflow, case.walls)
+    given = given_speed(case.fill, case.inflow, case.geometry, case.walls)
     space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
     speed = given + fall_speed(*space, to_floor=True)
     smallest = _step(case, speed)

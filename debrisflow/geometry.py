@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import shapes, tables
 from debrisflow.case.bodies import MeshFill
-from debrisflow.case.regions import recess, runout_rise, surface_of
+from debrisflow.case.regions import extent_across, recess, runout_rise, surface_of
 from debrisflow.case.shapes import is_three_dimensional, plain_edges
 from debrisflow.surface import cells_inside
 
@@ -237,17 +237,14 @@ class Opening(NamedTuple):
 
 
 def inflow_section(case: tables.Case) -> Opening:
-    """Return the section of the supply, in three dimensions over the whole width."""
+    """Return the section of the supply; it stands on the floor."""
     assert case.inflow is not None
-    high = max(1, cells_along(case.inflow.depth, case.particles.spacing))
+    d0 = case.particles.spacing
+    high = max(1, cells_along(case.inflow.depth, d0))
     if not isinstance(case.geometry, shapes.Channel3D):
         return Opening(0, 1, high)
-    return Opening(0, cells_along(case.geometry.width, case.particles.spacing), high)
-
-
-def inflow_rows(case: tables.Case) -> int:
-    """Return the number of particles in a column of the supply."""
-    return inflow_section(case).high
+    first, last = (cells_along(y, d0) for y in extent_across(case.inflow, case.geometry))
+    return Opening(first, last - first, high)
 
 
 def cells_along(length: float, d0: float) -> int:

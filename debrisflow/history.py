@@ -9,9 +9,9 @@ import numpy as np
 
 from debrisflow.case import tables
 from debrisflow.lattice import Reference
-from debrisflow.measures import elastic_energy, energies, fronts, phase_masses
+from debrisflow.measures import elastic_energy, energies, fronts, mass, particle_volume
 from debrisflow.series import Series
-from debrisflow.state import PHASES, State
+from debrisflow.state import PHASES, State, count_phases
 
 WAYS = ("in", "out", "inside", "through_wall")
 COLUMNS = (
@@ -21,6 +21,7 @@ COLUMNS = (
     "ppe_iterations",
     *(f"particles_{way}_{phase}" for way in WAYS for phase in PHASES),
     *(f"mass_{way}_{phase}" for way in WAYS for phase in PHASES),
+    *(f"sediment_volume_{way}" for way in WAYS),
     *(f"front_{phase}" for phase in (*PHASES, "all")),
     "kinetic_energy",
     "potential_energy",
@@ -35,6 +36,7 @@ HEAD = (
     "particles_*: count since the start of the run; in through the inflow, out over an open end",
     "  or a rim, inside now, through_wall lost through a wall",
     "mass_*: kg{per_width}, of the same particles",
+    "sediment_volume_*: m3{per_width}, in these particles",
     "front_*: m; the x behind which 99.5 % of the volume lies that is faster than",
     "  output.rest_speed; nan if nothing is",
     "kinetic_energy, potential_energy, elastic_energy: J{per_width}; potential energy is 0 at the",
@@ -84,15 +86,24 @@ def history_row(
 
 
 def _budget(case: tables.Case, state: State) -> dict[str, float | int]:
-    """Return particles and mass by way and phase."""
-    kind = state.particles.kind[state.particles.fluid]
-    inside = np.bincount(kind, minlength=len(PHASES))
-    counts = dict(zip(WAYS, (state.entered, state.left, inside, state.through_wall), strict=True))
+    """Return particles, mass and volume of sediment by way, the first two by phase too."""
+    p, fluid = state.particles, state.particles.fluid
+    inside, inside_sediment = np.zeros(len(PHASES), dtype=np.int64), np.zeros(len(PHASES))
+    count_phases(p.kind[fluid], p.sediment_fraction[fluid], inside, inside_sediment)
+    counts = {
+        "in": (state.entered, state.entered_sediment),
+        "out": (state.left, state.left_sediment),
+        "inside": (inside, inside_sediment),
+        "through_wall": (state.through_wall, state.through_wall_sediment),
+    }
     budget: dict[str, float | int] = {}
-    for way, count in counts.items():
-        for phase, number, mass in zip(PHASES, count, phase_masses(case), strict=True):
-            budget[f"particles_{way}_{phase}"] = int(number)
-            budget[f"mass_{way}_{phase}"] = float(number * mass)
+    for way in WAYS:
+        number, sediment = counts[way]
+        masses = mass(case, number, sediment)
+        for k, phase in enumerate(PHASES):
+            budget[f"particles_{way}_{phase}"] = int(number[k])
+            budget[f"mass_{way}_{phase}"] = float(masses[k])
+        budget[f"sediment_volume_{way}"] = float(sediment.sum()) * particle_volume(case)
     return budget
 
 

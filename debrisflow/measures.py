@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from debrisflow.case import tables
+from debrisflow.case.materials import pore_density
 from debrisflow.grid import Grid, locate, plan, wrapped
 from debrisflow.particles import Kind, Particles
 from debrisflow.state import PHASES
@@ -80,20 +81,24 @@ def gravity_vector(case: tables.Case) -> Floats:
     return np.array([along, 0.0, upward] if case.dimension == 3 else [along, upward, 0.0])
 
 
-def phase_fractions(case: tables.Case) -> Floats:
-    """Return the volume of sediment in a particle of each phase, (3,) float64 array."""
-    return np.array([0.0, 1.0, case.mixture.concentration])
-
-
 def particle_volume(case: tables.Case) -> float:
     """Return d0^Ds: m2, per meter of width, in two dimensions, and m3 in three."""
     return float(case.particles.spacing**case.dimension)
 
 
-def phase_masses(case: tables.Case) -> Floats:
-    """Return the mass of a particle of each phase, (3,) float64 array, kg (2D: per meter)."""
-    water, rock = case.water.density, case.sediment.density
-    return (water + phase_fractions(case) * (rock - water)) * particle_volume(case)
+def mass(case: tables.Case, number: ArrayLike, sediment: ArrayLike) -> Floats:
+    """Return the mass of particles, kg; per meter of width in two dimensions.
+
+    Parameters
+    ----------
+    number : (...) array
+        Of the particles.
+    sediment : (...) array
+        The volume of sediment in them, in particles.
+    """
+    pores, volume = pore_density(case.water, case.strength), particle_volume(case)
+    excess = case.sediment.density - pores
+    return np.asarray(number) * (pores * volume) + np.asarray(sediment) * (excess * volume)
 
 
 def is_fluid(kind: ArrayLike) -> NDArray[np.bool_]:
@@ -138,6 +143,7 @@ def deposit_profile(
     velocity: Floats,
     kind: NDArray[np.integer],
     concentration: Floats,
+    sediment_fraction: Floats,
     number_density: Floats,
     reference_number_density: float,
 ) -> DepositProfile:
@@ -160,7 +166,7 @@ def deposit_profile(
     ----------
     position, velocity : (n, 3) array, m, m/s
     kind : (n,) int array
-    concentration, number_density : (n,) array
+    concentration, sediment_fraction, number_density : (n,) array
     reference_number_density : float
         n0 of the lattice.
     """
@@ -176,9 +182,7 @@ def deposit_profile(
 
     deposit = contiguous_height(cell[deposited], height[deposited], grid.x.size, d0)
     top = _greatest_height(cell[dense], height[dense], grid.x.size, d0)
-    share = _mean_by_cell(
-        phase_fractions(case)[kind[rows]], cell, height + 0.5 * d0 <= top[cell], grid
-    )
+    share = _mean_by_cell(sediment_fraction[rows], cell, height + 0.5 * d0 <= top[cell], grid)
     return DepositProfile(grid.x, grid.y, deposit, top, share)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -12,6 +13,7 @@ import pyvista
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
+from debrisflow.case.probes import SectionProbe
 from debrisflow.errors import OutputError
 from debrisflow.geometry import floor_bend, height_over_floor
 from debrisflow.grid import (
@@ -25,7 +27,7 @@ from debrisflow.grid import (
 )
 from debrisflow.lattice import reference
 from debrisflow.measures import deposit_profile, fronts, is_fluid
-from debrisflow.output import CASE, DERIVED, FRAMES, POSTPROCESS
+from debrisflow.output import CASE, DERIVED, FRAMES, POSTPROCESS, PROBES
 from debrisflow.series import Row, write_table
 from debrisflow.state import PHASES
 from debrisflow.vtu import read_collection
@@ -66,7 +68,7 @@ class Frame(NamedTuple):
         In s.
     position, velocity : (n, 3) array, m, m/s
     kind : (n,) int array
-    concentration, number_density : (n,) array
+    concentration, sediment_fraction, number_density : (n,) array
     """
 
     time: float
@@ -74,6 +76,7 @@ class Frame(NamedTuple):
     velocity: Floats
     kind: NDArray[np.integer]
     concentration: Floats
+    sediment_fraction: Floats
     number_density: Floats
 
 
@@ -127,6 +130,27 @@ def postprocess(folder: Path, stations: Sequence[float] | None = None) -> list[P
     )
     _write_deposit(deposit, case, frame)
     return [front, profile, deposit]
+
+
+def arrivals(folder: Path) -> dict[str, float]:
+    """Return when the first particles had passed each section probe of a run, s.
+
+    The first sample with more gone through than back, so late by less than the probe's interval
+    and a step; nan if there is none.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of a finished or running run.
+    """
+    found = {}
+    for probe in load_case(folder / CASE).probe:
+        if isinstance(probe, SectionProbe):
+            with (folder / PROBES / f"{probe.name}.csv").open(encoding="utf-8") as file:
+                rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+            passed = (float(row["time"]) for row in rows if float(row["volume"]) > 0.0)
+            found[probe.name] = next(passed, np.nan)
+    return found
 
 
 def read_frames(folder: Path) -> Iterator[Frame]:

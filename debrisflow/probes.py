@@ -21,6 +21,7 @@ from debrisflow.case.probes import (
     HeightProbe,
     PressureProbe,
     SectionProbe,
+    VolumeProbe,
 )
 from debrisflow.errors import CaseError
 from debrisflow.grid import floor_ends
@@ -29,11 +30,11 @@ from debrisflow.measures import (
     LARGEST_GAP,
     LEAST_DENSITY_RATIO,
     contiguous_height,
-    phase_fractions,
+    particle_volume,
 )
 from debrisflow.particles import Kind, Particles
 from debrisflow.series import Series
-from debrisflow.state import PHASES, State
+from debrisflow.state import State
 from debrisflow.wall_pressure import (
     Faces,
     face_pressure,
@@ -46,6 +47,7 @@ from debrisflow.wall_pressure import (
 Floats = NDArray[np.float64]
 UPWARD = 0.5  # upward part of the normal above which a wall carries what stands on it
 _OF_STEP = "of the step before; at a start that at rest, or none in two dimensions"
+_IMPULSE = "of that force since t = 0, summed over all steps"
 _TIME = "time: s; end of the step in which the sample was due"
 
 
@@ -65,14 +67,17 @@ def probe_measures(case: tables.Case, particles: Particles) -> dict[str, Measure
         If the place of a pressure probe is more than a spacing from its wall.
     """
     measures: dict[str, Measure] = {}
-    sections = 0
+    sections = walls = 0
     for probe in case.probe:
         if isinstance(probe, HeightProbe):
             measures[probe.name] = Height(probe, case, particles)
         elif isinstance(probe, PressureProbe):
             measures[probe.name] = PatchPressure(probe, case, particles)
         elif isinstance(probe, ForceProbe):
-            measures[probe.name] = WallForce(probe, case, particles)
+            measures[probe.name] = WallForce(probe, case, particles, walls)
+            walls += 1
+        elif isinstance(probe, VolumeProbe):
+            measures[probe.name] = BoxVolume(probe, case)
         else:
             measures[probe.name] = Section(probe, case, sections)
             sections += 1
@@ -177,21 +182,36 @@ class PatchPressure:
 
 
 class WallForce:
-    """Force and moment of the pressure on a whole wall: the sum over its faces."""
+    """Force and moment of the pressure on a whole wall: the sum over its faces.
 
-    def __init__(self, probe: ForceProbe, case: tables.Case, particles: Particles) -> None:
-        self._case = case
+    The impulse since t = 0 is the sum of force and time step over all steps, whatever the interval.
+    """
+
+    def __init__(
+        self, probe: ForceProbe, case: tables.Case, particles: Particles, number: int
+    ) -> None:
+        self._case, self._number = case, number
         self._faces = wall_faces(case, particles, probe.wall)
         self._area = case.particles.spacing ** (case.dimension - 1)
         self._about = np.zeros(3)
         self._about[: len(probe.about)] = probe.about
 
     def sample(self, state: State) -> tuple[float, ...]:
-        """Return force and moment, N and N m, in two dimensions per meter of width."""
-        pressure = _pressure_on(self._faces, self._case, state)
-        push, moment = force(self._faces, pressure, self._area, self._about)
+        """Return force, moment and impulse, N, N m, N s, in two dimensions per meter of width."""
+        push, moment = self._push(state)
         axes = self._case.dimension
-        return (*map(float, push[:axes]), *map(float, moment if axes == 3 else moment[2:]))
+        impulse = state.impulse[self._number, :axes]
+        turning = moment if axes == 3 else moment[2:]
+        return (*map(float, push[:axes]), *map(float, turning), *map(float, impulse))
+
+    def add_impulse(self, state: State) -> None:
+        """Add the impulse of the last step to the state; before t = 0 nothing is added."""
+        if state.time > 0.0:
+            state.impulse[self._number] += state.dt * self._push(state)[0]
+
+    def _push(self, state: State) -> tuple[Floats, Floats]:
+        pressure = _pressure_on(self._faces, self._case, state)
+        return force(self._faces, pressure, self._area, self._about)
 
 
 class Section:
@@ -210,9 +230,8 @@ class Section:
     def __init__(self, probe: SectionProbe, case: tables.Case, number: int) -> None:
         self._x, self._number = probe.x, number
         self._d0, self._axes = case.particles.spacing, case.dimension
-        self._volume = self._d0**self._axes
+        self._volume = particle_volume(case)
         self._period = geometry.domain(case).period[0]
-        self._shares = np.stack([np.ones(len(PHASES)), phase_fractions(case)])
 
     def sample(self, state: State) -> tuple[float, ...]:
         """Return the columns of the section."""
@@ -226,7 +245,8 @@ class Section:
         area, discharge = float(part.sum()), float(flux.sum())
         sediment = float(flux @ p.sediment_fraction[rows])
         width = 1.0 if self._axes == 2 else _wetted_width(p.position[rows, 1], d0)
-        volumes = self._volume * (self._shares @ state.crossed[self._number])
+        crossed = (state.crossed[self._number], state.crossed_sediment[self._number])
+        volumes = [self._volume * float(passed.sum()) for passed in crossed]
         return (
             discharge,
             sediment,
@@ -234,60 +254,28 @@ class Section:
             discharge / area if area > 0.0 else np.nan,
             area / width if area > 0.0 else 0.0,
             *([width] if self._axes == 3 else []),
-            *map(float, volumes),
+            *volumes,
         )
 
 
-class Crossings:
-    """Counts particles through the sections of a case, step by step, into the state.
+class BoxVolume:
+    """Volume of the fluid, and of the sediment in it, whose particles have their centers in a box.
 
-    Parameters
-    ----------
-    case : Case
-    state : State
-        At the start of the run or of its continuation.
+    What is counted is whole particles, so that boxes beside each other add up.
     """
 
-    def __init__(self, case: tables.Case, state: State) -> None:
-        self._planes = [probe.x for probe in case.probe if isinstance(probe, SectionProbe)]
-        self._period = geometry.domain(case).period[0]
-        self._remember(state)
+    def __init__(self, probe: VolumeProbe, case: tables.Case) -> None:
+        extents = (probe.x, probe.y, probe.z or (-np.inf, np.inf))
+        self._lower, self._upper = np.array(extents).T
+        self._volume = particle_volume(case)
 
-    def count(self, state: State) -> None:
-        """Count who went through since the last call; before t = 0 nobody is counted.
-
-        Particles are known by their number, as they change rows and, by slip, places.
-        """
-        if not self._planes:
-            return
-        if state.time > 0.0:
-            self._count(state)
-        self._remember(state)
-
-    def _count(self, state: State) -> None:
+    def sample(self, state: State) -> tuple[float, ...]:
+        """Return volume and volume of sediment, m3; in two dimensions m2."""
         p = state.particles
-        known = p.id[p.fluid] < self._x.size
-        identity, kind = p.id[p.fluid][known], p.kind[p.fluid][known]
-        before, now = self._x[identity], p.position[p.fluid, 0][known]
-        if self._period > 0.0:
-            now = (
-                before
-                + np.remainder(now - before + 0.5 * self._period, self._period)
-                - 0.5 * self._period
-            )
-        for number, x in enumerate(self._planes):
-            if self._period > 0.0:
-                passed = np.floor((now - x) / self._period) - np.floor((before - x) / self._period)
-            else:
-                passed = (now >= x).astype(float) - (before >= x)
-            net = np.bincount(kind, passed, len(PHASES))
-            state.crossed[number] += np.rint(net).astype(np.int64)
-
-    def _remember(self, state: State) -> None:
-        p = state.particles
-        rows = slice(0, p.inflow.stop)
-        self._x = np.full(int(p.id[rows].max(initial=-1)) + 1, np.nan)
-        self._x[p.id[rows]] = p.position[rows, 0]
+        place = p.position[p.fluid]
+        inside = np.all((place >= self._lower) & (place < self._upper), axis=1)
+        sediment = float(p.sediment_fraction[p.fluid][inside].sum())
+        return np.count_nonzero(inside) * self._volume, sediment * self._volume
 
 
 class ProbeWriter(Series):
@@ -296,7 +284,7 @@ class ProbeWriter(Series):
     Parameters
     ----------
     path : Path
-    probe : HeightProbe, PressureProbe, ForceProbe or SectionProbe
+    probe : HeightProbe, PressureProbe, ForceProbe, SectionProbe or VolumeProbe
     dimension : int
     """
 
@@ -346,6 +334,9 @@ def _meanings(probe: AnyProbe, dimension: int) -> list[tuple[str, str]]:
         return [("pressure", f"Pa; mean over the patch, 0 where it is dry; {_OF_STEP}")]
     if isinstance(probe, ForceProbe):
         return _force_meanings(dimension)
+    if isinstance(probe, VolumeProbe):
+        volume = "m2" if dimension == 2 else "m3"
+        return [("volume, sediment_volume", f"{volume}; of the particles in the box")]
     return _section_meanings(dimension)
 
 
@@ -354,10 +345,12 @@ def _force_meanings(dimension: int) -> list[tuple[str, str]]:
         return [
             ("force_x, force_y", f"N per meter of width; of the pressure on the wall; {_OF_STEP}"),
             ("moment_z", "N m per meter of width; counterclockwise about the given point"),
+            ("impulse_x, impulse_y", f"N s per meter of width; {_IMPULSE}"),
         ]
     return [
         ("force_x, force_y, force_z", f"N; of the pressure on the wall; {_OF_STEP}"),
         ("moment_x, moment_y, moment_z", "N m; about the given point"),
+        ("impulse_x, impulse_y, impulse_z", f"N s; {_IMPULSE}"),
     ]
 
 

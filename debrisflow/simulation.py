@@ -19,12 +19,13 @@ from tqdm import tqdm
 from debrisflow import checkpoint
 from debrisflow._jit import THREADING_LAYER, cores, set_threads
 from debrisflow.case import load_case, tables
+from debrisflow.crossings import Crossings
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.explicit import Explicit
 from debrisflow.history import history_row
-from debrisflow.measures import deposit_profile, flow
+from debrisflow.measures import deposit_profile, flow, particle_volume
 from debrisflow.output import CASE, CHECKPOINT, RunFolder, Schedule
-from debrisflow.probes import Crossings, probe_measures
+from debrisflow.probes import WallForce, probe_measures
 from debrisflow.schemes import SemiImplicit
 from debrisflow.state import PHASES, State, initial_state
 
@@ -99,6 +100,7 @@ class _Run:
         self.deposits = Schedule(output.deposit_interval, 0.0, end)
         self.histories = Schedule(output.history_interval, start, end)
         self.probes = probe_measures(case, state.particles)
+        self.forces = [probe for probe in self.probes.values() if isinstance(probe, WallForce)]
         self.crossings = Crossings(case, state)
         self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
         self._owes_checkpoint = False
@@ -170,6 +172,8 @@ class _Run:
                 before = state.time
                 iterations = self._advance(due)
                 self.crossings.count(state)
+                for wall in self.forces:
+                    wall.add_impulse(state)
                 self.write(iterations)
                 self.sample(before)
                 self._show(bar)
@@ -225,6 +229,7 @@ class _Run:
                 p.velocity,
                 p.kind,
                 p.concentration,
+                p.sediment_fraction,
                 p.number_density,
                 n0,
             )
@@ -273,6 +278,14 @@ class _Run:
             "entered": dict(zip(PHASES, state.entered.tolist(), strict=True)),
             "left": dict(zip(PHASES, state.left.tolist(), strict=True)),
             "through_wall": dict(zip(PHASES, state.through_wall.tolist(), strict=True)),
+            "sediment_volume": {
+                way: float(sediment.sum()) * particle_volume(self.case)
+                for way, sediment in (
+                    ("entered", state.entered_sediment),
+                    ("left", state.left_sediment),
+                    ("through_wall", state.through_wall_sediment),
+                )
+            },
             "versions": {"python": platform.python_version()}
             | {name: version(name) for name in ("debrisflow", "numpy", "numba", "scipy")},
         }

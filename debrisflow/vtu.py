@@ -29,8 +29,9 @@ REALS = (
 def write_particles(path: Path, particles: Particles, rows: slice = slice(None)) -> None:
     """Write particles as vertex cells of a binary VTU compressed by zlib.
 
-    Positions are float64, since terrain may lie far from its origin; the other reals are float32,
-    which is finer than the solver's tolerance.  ``on_free_surface`` is 0 or 1.
+    Positions are float64, since terrain may lie far from its origin, and so is the sediment
+    fraction, which adds up to the volume of the sediment; the other reals are float32, which is
+    finer than the solver's tolerance.  ``on_free_surface`` is 0 or 1.
 
     Parameters
     ----------
@@ -40,6 +41,7 @@ def write_particles(path: Path, particles: Particles, rows: slice = slice(None))
         Which particles; all by default.
     """
     data = {name: getattr(particles, name)[rows].astype(np.float32) for name in REALS}
+    data["sediment_fraction"] = particles.sediment_fraction[rows]
     data["kind"] = particles.kind[rows]
     data["on_free_surface"] = particles.on_free_surface[rows].astype(np.uint8)
     data["id"] = particles.id[rows]

@@ -121,6 +121,7 @@ class TestRoundTrip:
         assert left_open == {
             "gravity.vector",
             "geometry.runout_start",
+            "inflow.across",
             "inflow.hydrograph",
             "collision_stress.concentration",
         }

@@ -105,6 +105,7 @@ def test_heights_of_a_deposit_on_a_runout_are_along_its_normal():
         np.zeros((rows, 3)),
         np.full(rows, int(Kind.SEDIMENT)),
         np.full(rows, 0.55),
+        np.ones(rows),
         np.full(rows, 18.0),
         18.0,
     )

@@ -57,6 +57,7 @@ class Pile:
             self.velocity,
             self.kind,
             self.concentration,
+            np.array([0.0, 1.0, 0.4, 0.0, 0.0, 0.0])[self.kind],
             self.number_density,
             N0,
         )
@@ -64,7 +65,7 @@ class Pile:
 
 
 def test_bins_cover_the_length_in_steps_of_two_spacings():
-    x = deposit_profile(channel(), *[np.zeros((0, 3))] * 2, *[np.zeros(0, dtype=int)] * 3, N0).x
+    x = deposit_profile(channel(), *[np.zeros((0, 3))] * 2, *[np.zeros(0, dtype=int)] * 4, N0).x
     np.testing.assert_allclose(x, np.arange(0.01, 1.0, 0.02))
 
 

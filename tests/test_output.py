@@ -29,6 +29,7 @@ ARRAYS = {
     "number_density": np.float32,
     "concentration": np.float32,
     "granular_temperature": np.float32,
+    "sediment_fraction": np.float64,
     "on_free_surface": np.uint8,
     "id": np.int64,
 }
@@ -220,7 +221,9 @@ def test_the_summary_is_json(tmp_path, case):
 
 def test_history_counts_particles_and_mass_by_way_and_phase(case, state):
     state.entered[:] = 7, 1, 0
+    state.entered_sediment[:] = 0, 1, 0
     state.left[:] = 0, 0, 2
+    state.left_sediment[2] = 0.3 + 0.1
     state.through_wall[:] = 1, 0, 0
     row = history_row(case, state, 12, reference(2, 3.1, 0.1))
     assert set(row) == set(COLUMNS)
@@ -230,6 +233,9 @@ def test_history_counts_particles_and_mass_by_way_and_phase(case, state):
     assert row["mass_inside_liquid"] == pytest.approx(0.5 * 0.4 * 1000.0)
     assert row["mass_inside_mixture"] == pytest.approx(0.5 * 0.4 * 1825.0)
     assert row["mass_in_sediment"] == pytest.approx(0.1**2 * 2650.0)
+    assert row["mass_out_mixture"] == pytest.approx(0.1**2 * (2000.0 + 0.4 * 1650.0))
+    volumes = [row[f"sediment_volume_{way}"] for way in ("in", "out", "inside")]
+    assert volumes == pytest.approx([0.01, 0.004, 0.5 * 0.4 * 0.5])
     assert row["ppe_iterations"] == 12
 
 

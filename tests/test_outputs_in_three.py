@@ -68,7 +68,14 @@ def lattice(case, columns, rows, layers, kind=Kind.MIXTURE):
 def deposit(case, p):
     """Return the deposit of particles, its columns as arrays over (along, across)."""
     profile = deposit_profile(
-        case, p.position, p.velocity, p.kind, p.concentration, p.number_density, N0
+        case,
+        p.position,
+        p.velocity,
+        p.kind,
+        p.concentration,
+        p.sediment_fraction,
+        p.number_density,
+        N0,
     )
     return {name: value.reshape(5, 3) for name, value in profile._asdict().items()}
 
@@ -276,7 +283,14 @@ def run(tmp_path, case):
             state.time = 0.1 * k
             state.maxima.include(state.time, *flow(case, p, N0), spacing=D0)
             found = deposit_profile(
-                case, p.position, p.velocity, p.kind, p.concentration, p.number_density, N0
+                case,
+                p.position,
+                p.velocity,
+                p.kind,
+                p.concentration,
+                p.sediment_fraction,
+                p.number_density,
+                N0,
             )
             folder.write_history(history_row(case, state, 0, LATTICE))
             folder.write_deposit(state.time, found)

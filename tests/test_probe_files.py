@@ -7,11 +7,14 @@ import shutil
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from debrisflow import simulation
 from debrisflow.case import load_case
+from debrisflow.cli import main
 from debrisflow.errors import CaseError
 from debrisflow.output import RunFolder
+from debrisflow.postprocess import arrivals
 from debrisflow.probes import probe_measures
 from debrisflow.state import initial_state
 from debrisflow.vtu import FOLDER
@@ -23,6 +26,7 @@ PROBES = (
     {"name": "inlet", "type": "section", "interval": 0.01, "x": 0.1},
     {"name": "bed", "type": "pressure", "interval": 0.01, "wall": "bed", "x": 0.5, "y": -0.1},
     {"name": "thrust", "type": "force", "interval": 0.03, "wall": "floor"},
+    {"name": "bed_load", "type": "volume", "interval": 0.02, "x": (0.2, 0.9), "y": (-0.1, 0.0)},
 )
 
 
@@ -71,6 +75,18 @@ def test_what_goes_through_the_inlet_is_what_was_supplied_less_what_waits_before
     assert 0.0 < last["volume"] <= case.inflow.depth * (0.15 * case.inflow.velocity - 0.1) * 1.3
     assert last["volume"] / 0.02**2 == pytest.approx(round(last["volume"] / 0.02**2))
     assert 0.0 < last["sediment_volume"] < last["volume"]
+
+
+def test_the_arrival_at_a_section_is_the_first_sample_after_it(whole):
+    inlet = rows_of(whole, "inlet")
+    before = max(row["time"] for row in inlet if row["volume"] <= 0.0)
+    found = arrivals(whole)
+    assert found.keys() == {"inlet", "outlet"}
+    assert 0.1 / 1.5 < before < found["inlet"] <= before + 0.013
+    assert np.isnan(found["outlet"])
+    told = CliRunner().invoke(main, ["postprocess", str(whole)]).stdout
+    assert f"section inlet: first passed by t = {found['inlet']:g} s" in told
+    assert "section outlet: nothing has passed" in told
 
 
 def test_an_interrupted_run_writes_the_same_rows(whole, tmp_path, interrupt):

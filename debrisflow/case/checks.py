@@ -22,12 +22,13 @@ from debrisflow.case.defaults import (
 from debrisflow.case.estimate import available_memory, estimate, size
 from debrisflow.case.materials import Mixture, Sediment, Strength, Water
 from debrisflow.case.problems import Problem, Problems, was_set
-from debrisflow.case.regions import (
-    TOLERANCE,
-)
+from debrisflow.case.regions import TOLERANCE, section_of_supply
 from debrisflow.case.shapes import (
     Channel,
+    Channel3D,
+    ChannelShape,
     Geometry,
+    is_three_dimensional,
 )
 from debrisflow.case.tables import (
     AnyFill,
@@ -85,8 +86,9 @@ def inflow_in_channel(inflow: Inflow | None, geometry: Geometry) -> Problems:
     """Check that a supply enters the open end of a channel, below its height."""
     if inflow is None:
         return
-    if not isinstance(geometry, Channel):
-        yield Problem("inflow", "a tank has no inflow; use geometry.type = 'channel'")
+    if not isinstance(geometry, ChannelShape):
+        shape = "channel3d" if is_three_dimensional(geometry) else "channel"
+        yield Problem("inflow", f"a tank has no inflow; use geometry.type = '{shape}'")
         return
     if geometry.periodic:
         yield Problem("inflow", "a periodic channel has no inflow; set geometry.periodic = false")
@@ -95,7 +97,27 @@ def inflow_in_channel(inflow: Inflow | None, geometry: Geometry) -> Problems:
         yield Problem("inflow.depth", message, inflow.depth)
 
 
-def one_way_of_supply(inflow: Inflow | None) -> Problems:
+def supply_across_channel(
+    inflow: Inflow | None, geometry: Geometry, particles: Particles
+) -> Problems:
+    """Check that the extent of a supply across is one in three dimensions, inside the channel."""
+    if inflow is None or inflow.across is None:
+        return
+    if not isinstance(geometry, Channel3D):
+        if isinstance(geometry, Channel):
+            message = "only in three dimensions; leave it out"
+            yield Problem("inflow.across", message, inflow.across)
+        return
+    (start, end), slack = inflow.across, TOLERANCE * particles.spacing
+    if start >= end:
+        message = "the first number must be less than the second"
+        yield Problem("inflow.across", message, inflow.across)
+    elif start < -slack or end > geometry.width + slack:
+        message = f"outside the channel, y = [0, {geometry.width:g}] m"
+        yield Problem("inflow.across", message, inflow.across)
+
+
+def one_way_of_supply(inflow: Inflow | None, geometry: Geometry) -> Problems:
     """Check that a supply has a discharge, a velocity or a hydrograph, or two that agree."""
     if inflow is None:
         return
@@ -107,9 +129,14 @@ def one_way_of_supply(inflow: Inflow | None) -> Problems:
     elif inflow.discharge is None and inflow.velocity is None:
         yield Problem("inflow", "missing: give a discharge, a velocity or a hydrograph")
     elif inflow.discharge is not None and inflow.velocity is not None:
-        product = inflow.velocity * inflow.depth
+        product = inflow.velocity * section_of_supply(inflow, geometry)
         if not isclose(inflow.discharge, product, rel_tol=1e-6):
-            message = f"does not agree with velocity times depth, {product:g} m2/s; leave one out"
+            what, unit = "depth", "m2/s"
+            if isinstance(geometry, Channel3D):
+                what, unit = "depth times width", "m3/s"
+            message = (
+                f"does not agree with velocity times {what}, {product:g} {unit}; leave one out"
+            )
             yield Problem("inflow.discharge", message, inflow.discharge)
 
 
@@ -174,9 +201,11 @@ def collisions_within_clip(collision_stress: CollisionStress) -> Problems:
         yield Problem("collision_stress.concentration", message, given)
 
 
-def slip_of_pure_phases(drag: Drag, fill: Fill, inflow: Inflow | None) -> Problems:
+def slip_of_pure_phases(
+    drag: Drag, fill: Fill, inflow: Inflow | None, geometry: Geometry
+) -> Problems:
     """Check that slip, which is between sediment and water, meets no mixture particles."""
-    materials = phases(fill, inflow)
+    materials = phases(fill, inflow, geometry)
     if drag.law != "none" and "mixture" in materials and len(materials) > 1:
         message = (
             "acts between sediment and water particles, and not on those of a mixture beside them; "
@@ -190,6 +219,7 @@ def step_within_limits(
     particles: Particles,
     fill: Fill,
     inflow: Inflow | None,
+    geometry: Geometry,
     water: Water,
     sediment: Sediment,
     mixture: Mixture,
@@ -200,7 +230,7 @@ def step_within_limits(
     """Check that the largest step keeps within the limits of explicit viscosity and gravity."""
     if time.largest_step is None:
         return
-    limits = viscous_limits(particles, fill, inflow, water, sediment, mixture, strength)
+    limits = viscous_limits(particles, fill, inflow, geometry, water, sediment, mixture, strength)
     phase = min(limits, key=lambda name: limits[name], default=None)
     fall = hypot(*gravity.components)
     if phase and time.largest_step > limits[phase] * (1 + TOLERANCE):
@@ -260,6 +290,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     *obstacles.CHECKS,
     shares_of_mixes,
     inflow_in_channel,
+    supply_across_channel,
     one_way_of_supply,
     hydrograph_in_order,
     concentrations_below_packing,

@@ -11,10 +11,8 @@ from typing import TypeVar
 from debrisflow.case.fields import Table
 from debrisflow.case.materials import Mixture, Sediment, Strength, Water, bulk_density
 from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
-from debrisflow.case.regions import (
-    bed_end,
-)
-from debrisflow.case.shapes import Channel, Channel3D, Geometry
+from debrisflow.case.regions import bed_end, extent_across, section_of_supply
+from debrisflow.case.shapes import Channel, Channel3D, Geometry, is_three_dimensional
 from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.case.tables import (
     AnyFill,
@@ -67,7 +65,7 @@ def complete(case: Case) -> Case:
         scheme = _scheme(scheme, step, case.time.largest_step or step)
     tables: dict[str, Table | None] = {
         "geometry": _geometry(case.geometry, case.particles),
-        "inflow": _inflow(case.inflow),
+        "inflow": _inflow(case.inflow, case.geometry),
         "scheme": scheme,
         "time": _filled(case.time, largest_step=step),
         "output": _output(case.output),
@@ -80,6 +78,7 @@ def viscous_limits(
     particles: Particles,
     fill: tuple[AnyFill, ...],
     inflow: Inflow | None,
+    geometry: Geometry,
     water: Water,
     sediment: Sediment,
     mixture: Mixture,
@@ -88,11 +87,14 @@ def viscous_limits(
     """Return the time step, s, that the explicit viscosity of each phase present allows.
 
     The limit is ``0.2 d0^2 rho / mu``; with a strength law viscosity is implicit and there is
-    none.
+    none.  Of mixtures of several concentrations the lightest counts.
     """
     if strength.law != "none":
         return {}
-    mixed_density = bulk_density(mixture.concentration, water, sediment, strength)
+    solid = mixture.concentration
+    if is_three_dimensional(geometry):
+        solid = min(solid, *_carried(inflow), 1.0)
+    mixed_density = bulk_density(solid, water, sediment, strength)
     properties = {
         "water": (water.density, water.viscosity),
         "sediment": (sediment.density, sediment.viscosity),
@@ -101,20 +103,31 @@ def viscous_limits(
     return {
         phase: VISCOUS_LIMIT * particles.spacing * particles.spacing * density / viscosity
         for phase, (density, viscosity) in properties.items()
-        if viscosity > 0 and phase in phases(fill, inflow)
+        if viscosity > 0 and phase in phases(fill, inflow, geometry)
     }
 
 
-def phases(fill: tuple[AnyFill, ...], inflow: Inflow | None) -> set[str]:
+def phases(fill: tuple[AnyFill, ...], inflow: Inflow | None, geometry: Geometry) -> set[str]:
     """Return which of water, sediment and mixture the fills and the supply bring."""
     materials: set[str] = {part.material for part in fill}
     present = materials - {"mix"}
     if "mix" in materials:
         present |= {"water", "sediment"}
     if inflow is not None:
-        laden = inflow.concentration > 0 or inflow.hydrograph is not None
-        present |= {"water", "sediment"} if laden else {"water"}
+        carried, laden = _carried(inflow), inflow.concentration > 0 or inflow.hydrograph is not None
+        if not is_three_dimensional(geometry):
+            present |= {"water", "sediment"} if laden else {"water"}
+        else:
+            present |= {"mixture" if share > 0 else "water" for share in carried}
     return present
+
+
+def _carried(inflow: Inflow | None) -> tuple[float, ...]:
+    """Return the concentrations that a supply states; none of a hydrograph that is not read."""
+    if inflow is None or isinstance(inflow.hydrograph, str):
+        return ()
+    graph = inflow.hydrograph
+    return (inflow.concentration,) if graph is None else graph.concentration
 
 
 def _filled(table: _Any, **defaults: object) -> _Any:
@@ -140,13 +153,18 @@ def _scheme(scheme: Scheme, step: float, largest: float) -> AnyScheme:
     return _filled(scheme, **_FORMS[scheme.form], density_relaxation=relaxation)
 
 
-def _inflow(inflow: Inflow | None) -> Inflow | None:
-    if inflow is None or inflow.hydrograph is not None:
+def _inflow(inflow: Inflow | None, geometry: Geometry) -> Inflow | None:
+    if inflow is None:
+        return None
+    if isinstance(geometry, Channel3D):
+        inflow = _filled(inflow, across=extent_across(inflow, geometry))
+    if inflow.hydrograph is not None:
         return inflow
+    area = section_of_supply(inflow, geometry)
     if inflow.discharge is not None:
-        return _filled(inflow, velocity=inflow.discharge / inflow.depth)
+        return _filled(inflow, velocity=inflow.discharge / area)
     assert inflow.velocity is not None  # the checks see to it
-    return _filled(inflow, discharge=inflow.velocity * inflow.depth)
+    return _filled(inflow, discharge=inflow.velocity * area)
 
 
 def _output(output: Output) -> Output:
@@ -173,7 +191,7 @@ def sound_speed(
 ) -> float:
     """Return ten times the largest speed that a case gives or a free fall reaches, m/s."""
     fall = fall_speed(fill, inflow, geometry, particles, gravity, to_floor=True)
-    return LEAST_SOUND_RATIO * (fall + given_speed(fill, inflow, walls))
+    return LEAST_SOUND_RATIO * (fall + given_speed(fill, inflow, geometry, walls))
 
 
 def acoustic_step(scheme: ExplicitScheme, particles: Particles) -> float:
@@ -195,6 +213,7 @@ def _viscous_steps(case: Case) -> tuple[float, ...]:
         case.particles,
         case.fill,
         case.inflow,
+        case.geometry,
         case.water,
         case.sediment,
         case.mixture,

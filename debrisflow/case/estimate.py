@@ -10,6 +10,7 @@ from debrisflow.case.bodies import BoxObstacle, MeshFill
 from debrisflow.case.regions import (
     covered,
     recess,
+    section_of_supply,
     surface_of,
 )
 from debrisflow.case.shapes import (
@@ -112,7 +113,7 @@ def _estimate_in_three(
     fluid = sum(volumes) / spacing / spacing / spacing
     waiting = 0.0
     if inflow and isinstance(geometry, Channel3D):
-        section = geometry.width * inflow.depth / spacing / spacing
+        section = section_of_supply(inflow, geometry) / spacing / spacing
         waiting = section * (layers + geometry.length / spacing)
     total = fluid + waiting + wall
     return {

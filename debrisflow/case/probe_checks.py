@@ -12,6 +12,7 @@ from debrisflow.case.probes import (
     HeightProbe,
     PressureProbe,
     SectionProbe,
+    VolumeProbe,
 )
 from debrisflow.case.problems import Problem, did_you_mean, either
 from debrisflow.case.regions import runout_rise
@@ -49,7 +50,7 @@ def coordinates_of_probes(probe: Probes, geometry: Geometry) -> Problems:
     """Check that places have as many coordinates as the case has dimensions."""
     is_three = is_three_dimensional(geometry)
     for k, one in enumerate(probe):
-        last = {HeightProbe: "y", PressureProbe: "z"}.get(type(one))
+        last = {HeightProbe: "y", PressureProbe: "z", VolumeProbe: "z"}.get(type(one))
         value = getattr(one, last) if last else None
         if last and is_three and value is None:
             yield Problem(f"probe.{k}.{last}", "missing: the place needs it in three dimensions")
@@ -70,7 +71,7 @@ def places_of_probes(
     for k, one in enumerate(probe):
         for axis, (lower, upper) in space.items():
             place = getattr(one, axis, None)
-            if place is None:
+            if place is None or isinstance(one, VolumeProbe):
                 continue
             message = f"outside the {geometry.type}, {axis} = [{lower:g}, {upper:g}] m"
             if isinstance(one, SectionProbe) and not _repeats_along_x(geometry):
@@ -78,6 +79,23 @@ def places_of_probes(
                 message = f"must be a spacing from the ends, {axis} = [{lower:g}, {upper:g}] m"
             if not lower - slack <= place <= upper + slack:
                 yield Problem(f"probe.{k}.{axis}", message, place)
+
+
+def boxes_of_probes(probe: Probes, geometry: Geometry, gravity: Gravity) -> Problems:
+    """Check that the box of a probe has a volume, part of it in the space."""
+    for k, one in enumerate(probe):
+        if not isinstance(one, VolumeProbe):
+            continue
+        for axis, (lower, upper) in _extents(geometry, gravity).items():
+            extent = getattr(one, axis)
+            if extent is None:
+                continue
+            if extent[0] >= extent[1]:
+                message = "the first number must be less than the second"
+                yield Problem(f"probe.{k}.{axis}", message, extent)
+            elif extent[1] <= lower or extent[0] >= upper:
+                message = f"outside the {geometry.type}, {axis} = [{lower:g}, {upper:g}] m"
+                yield Problem(f"probe.{k}.{axis}", message, extent)
 
 
 def walls_of_probes(
@@ -172,5 +190,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     names_of_probes,
     coordinates_of_probes,
     places_of_probes,
+    boxes_of_probes,
     walls_of_probes,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from debrisflow.case.fields import NONE, Components, Table, quantity
+from debrisflow.case.fields import NONE, Components, Interval, Table, quantity
 
 SIZE = "side of the square, in two dimensions width of the strip, {}; 2 spacings if left out"
 
@@ -57,4 +57,13 @@ class SectionProbe(_Probe):
     x: float = quantity("m", "place of the plane")
 
 
-AnyProbe = HeightProbe | PressureProbe | ForceProbe | SectionProbe
+class VolumeProbe(_Probe):
+    """Volume of the fluid, and of the sediment in it, inside a box: what a dam has trapped."""
+
+    type: Literal["volume"]
+    x: Interval = quantity("m", "extent along x")
+    y: Interval = quantity("m", "extent along y")
+    z: Interval | None = quantity("m", "extent along z, in three dimensions", None)
+
+
+AnyProbe = HeightProbe | PressureProbe | ForceProbe | SectionProbe | VolumeProbe

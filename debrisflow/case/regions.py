@@ -23,6 +23,7 @@ from debrisflow.case.tables import (
     AnyObstacle,
     Bed,
     Gravity,
+    Inflow,
     Particles,
 )
 from debrisflow.surface import Surface, cells_inside, read_surface
@@ -100,6 +101,19 @@ def _across(section: Region, geometry: ChannelShape) -> Region:
         return section
     (start, bottom), (end, top) = section.lower, section.upper
     return Region((start, 0.0, bottom), (end, geometry.width, top))
+
+
+def extent_across(inflow: Inflow, geometry: Channel3D) -> tuple[float, float]:
+    """Return the extent of a supply along y, m: given, or the whole width."""
+    return inflow.across or (0.0, geometry.width)
+
+
+def section_of_supply(inflow: Inflow, geometry: Geometry) -> float:
+    """Return the area through which a supply comes, m2; in two dimensions its depth, m."""
+    if not isinstance(geometry, Channel3D):
+        return inflow.depth
+    start, end = extent_across(inflow, geometry)
+    return inflow.depth * (end - start)
 
 
 def surface_of(part: MeshFill | MeshObstacle) -> Surface:

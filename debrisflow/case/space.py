@@ -129,6 +129,8 @@ def lengths_on_lattice(
     lengths |= {f"geometry.{name}": getattr(geometry, name) for name in names}
     if inflow is not None and inflow.depth >= particles.spacing:
         lengths["inflow.depth"] = inflow.depth
+    if inflow is not None and inflow.across is not None:
+        lengths |= {f"inflow.across.{end}": inflow.across[end] for end in (0, 1)}
     for key, extent in _extents(fill, obstacle).items():
         lengths |= {f"{key}.{end}": extent[end] for end in (0, 1)}
     for key, length in lengths.items():

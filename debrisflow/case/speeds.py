@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import product
 from math import hypot, sqrt
 
-from debrisflow.case.regions import Region, covered, recess, runout_rise
+from debrisflow.case.regions import Region, covered, recess, runout_rise, section_of_supply
 from debrisflow.case.shapes import Channel3D, Geometry, Tank3D, is_three_dimensional
 from debrisflow.case.tables import (
     AnyFill,
@@ -17,16 +17,18 @@ from debrisflow.case.tables import (
 )
 
 
-def given_speed(fill: tuple[AnyFill, ...], inflow: Inflow | None, walls: Walls) -> float:
+def given_speed(
+    fill: tuple[AnyFill, ...], inflow: Inflow | None, geometry: Geometry, walls: Walls
+) -> float:
     """Return the largest speed in the case file: of a fill, a wall or the supply, m/s."""
     speeds = [hypot(*part.velocity) for part in fill if not isinstance(part, Bed)]
     speeds += [hypot(*wall.velocity) for _, wall in walls]
     if inflow is not None:
-        graph = inflow.hydrograph
+        graph, area = inflow.hydrograph, section_of_supply(inflow, geometry)
         if graph is None:
-            speeds.append(inflow.velocity or (inflow.discharge or 0.0) / inflow.depth)
+            speeds.append(inflow.velocity or (inflow.discharge or 0.0) / area)
         elif not isinstance(graph, str):
-            speeds.append(max(graph.discharge) / inflow.depth)
+            speeds.append(max(graph.discharge) / area)
     return max(speeds)
 
 
@@ -44,10 +46,10 @@ def fall_speed(
     channel that to which the whole flow may run.
     """
     areas = [covered(part, geometry, particles) for part in fill]
-    if to_floor and areas and is_three_dimensional(geometry):
-        areas += _floors(geometry, particles, gravity)
     if inflow is not None:
         areas.append(Region((0.0, 0.0), (0.0, inflow.depth)))
+    if to_floor and areas and is_three_dimensional(geometry):
+        areas += _floors(geometry, particles, gravity)
     along, upward = gravity.components
     levels = [
         -(along * x + upward * y)

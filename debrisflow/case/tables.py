@@ -18,6 +18,7 @@ from debrisflow.case.probes import AnyProbe
 from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensional
 
 EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
+DISCHARGE = "m2/s or m3/s"  # in two or in three dimensions
 
 
 class Particles(Table):
@@ -134,15 +135,26 @@ class Hydrograph(Table):
     """A supply that changes with time; linear between the rows."""
 
     time: Series = quantity("s", "times, increasing")
-    discharge: Series = quantity("m2/s", "discharge per unit width of sediment and water")
+    discharge: Series = quantity(
+        DISCHARGE, "discharge of sediment and water, in two dimensions per unit width"
+    )
     concentration: Series = quantity(NONE, "volumetric sediment concentration of the supply")
 
 
 class Inflow(Table):
-    """A supply through x = 0 of a channel; its particles turn into fluid when they pass x = 0."""
+    """A supply through x = 0 of a channel; its particles turn into fluid when they pass x = 0.
+
+    In three dimensions it comes through a rectangle on the floor.  Of its sediment every particle
+    carries the same part there; in two dimensions as many particles as are due are sediment.
+    """
 
     depth: float = quantity("m", "depth of the supply above the fixed floor", gt=0)
-    discharge: float | None = quantity("m2/s", "discharge per unit width", None, gt=0)
+    across: Interval | None = quantity(
+        "m", "extent along y, in three dimensions; the whole width if left out", None
+    )
+    discharge: float | None = quantity(
+        DISCHARGE, "discharge, in two dimensions per unit width", None, gt=0
+    )
     velocity: float | None = quantity("m/s", "velocity of the supply", None, gt=0)
     concentration: float = quantity(
         NONE, "volumetric sediment concentration of the supply", 0.0, ge=0, lt=1

@@ -8,6 +8,7 @@ from debrisflow.case.defaults import (
     FEWEST_RELAXATION_STEPS,
     LARGEST_DIFFUSION,
     acoustic_step,
+    phases,
     sound_speed,
 )
 from debrisflow.case.materials import Strength
@@ -52,19 +53,17 @@ def scheme_of_dimension(geometry: Geometry, scheme: AnyScheme) -> Problems:
     yield Problem("scheme.type", message, scheme.type)
 
 
-def one_kind_of_particle(scheme: AnyScheme, fill: Fill) -> Problems:
-    """Check that the explicit scheme has one kind of particle, of water or of a mixture."""
+def mixture_of_one_kind(scheme: AnyScheme, fill: Fill) -> Problems:
+    """Check that in the explicit scheme particles of a mixture stand for sediment."""
     if not isinstance(scheme, ExplicitScheme):
         return
-    rule = "in the explicit scheme one kind of particle stands for the mixture"
     for k, part in enumerate(fill):
         if part.material not in ("water", "mixture"):
-            message = f"must be 'water' or 'mixture': {rule}"
-        elif fill[0].material in ("water", "mixture") and part.material != fill[0].material:
-            message = f"must be '{fill[0].material}', as fill.0: {rule}"
-        else:
-            continue
-        yield Problem(f"fill.{k}.material", message, part.material)
+            message = (
+                "must be 'water' or 'mixture': in the explicit scheme one kind of particle stands "
+                "for the mixture"
+            )
+            yield Problem(f"fill.{k}.material", message, part.material)
 
 
 def laws_of_mixture(
@@ -73,6 +72,8 @@ def laws_of_mixture(
     strength: Strength,
     collision_stress: CollisionStress,
     fill: Fill,
+    inflow: Inflow | None,
+    geometry: Geometry,
 ) -> Problems:
     """Check that the explicit scheme is asked for no slip and no turbulence, and has grains."""
     if not isinstance(scheme, ExplicitScheme):
@@ -81,7 +82,7 @@ def laws_of_mixture(
         yield Problem("drag.law", HAS_NONE, drag.law)
     if strength.mixing_length > 0:
         yield Problem("strength.mixing_length", HAS_NONE, strength.mixing_length)
-    has_grains = any(part.material == "mixture" for part in fill)
+    has_grains = "mixture" in phases(fill, inflow, geometry)
     if strength.law != "none" and not has_grains:
         message = "has no effect on water; fill with 'mixture'"
         yield Problem("strength.law", message, strength.law)
@@ -132,7 +133,8 @@ def step_below_acoustic(
         return
     if scheme.sound_speed is None:
         areas = [covered(part, geometry, particles) for part in fill]
-        if not areas or any(area is None or area.volume == 0 for area in areas):
+        nothing = not areas and inflow is None
+        if nothing or any(area is None or area.volume == 0 for area in areas):
             return  # told by another check
         speed = sound_speed(fill, inflow, geometry, particles, gravity, walls)
         if speed == 0:
@@ -156,7 +158,7 @@ def step_below_acoustic(
 
 CHECKS: tuple[Callable[..., Problems], ...] = (
     scheme_of_dimension,
-    one_kind_of_particle,
+    mixture_of_one_kind,
     laws_of_mixture,
     walls_at_rest,
     no_relaxation,
