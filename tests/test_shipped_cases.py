@@ -24,6 +24,7 @@ ARRAYS = {
     "number_density",
     "concentration",
     "granular_temperature",
+    "sediment_fraction",
     "on_free_surface",
     "id",
 }
