@@ -153,9 +153,8 @@ def _concentrations(first, last, fraction, level, down, fluid, near, numbers, ar
 def concentrations(fraction, level, down, fluid, near, numbers, around, at_level):
     """Write the share of sediment around and at the level of every particle, (n,) float64 arrays.
 
-    Of ``fraction`` and of ``level``, both at first that of the particles; applied to its own results
-    it smooths them.
-    The weights of :func:`debrisflow.granular.concentration` and of
+    Of ``fraction`` and of ``level``, both at first that of the particles; applied to its own
+    results it smooths them.  The weights of :func:`debrisflow.granular.concentration` and of
     :func:`debrisflow.granular.level_concentration`, which says what each is for.
     """
     for block in prange((around.size + BLOCK - 1) // BLOCK):

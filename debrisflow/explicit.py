@@ -8,15 +8,14 @@ from numpy.typing import NDArray
 from debrisflow import boundary, compressible, geometry, pairs
 from debrisflow.case import tables
 from debrisflow.case.defaults import LARGEST_PATH
-from debrisflow.case.materials import bulk_density
 from debrisflow.clock import Clock
 from debrisflow.errors import DivergedError
 from debrisflow.lattice import reference
 from debrisflow.measures import gravity_vector
 from debrisflow.neighbors import FixedNeighbors, Neighbors, order_by_cell
 from debrisflow.operators import WallSurface
-from debrisflow.particles import Kind
-from debrisflow.resistance import Resistance, concentrations
+from debrisflow.particles import Kind, concentrations, reference_density
+from debrisflow.resistance import Resistance
 from debrisflow.state import State
 
 Floats = NDArray[np.float64]
@@ -84,10 +83,7 @@ class Explicit:
             laplacian=2.0 * dimension / (lattice.laplacian_lambda * lattice.number_density),
             smooth_density=lattice.smooth_density,
             smooth_steepness=lattice.smooth_steepness,
-            density=max(
-                bulk_density(c, case.water, case.sediment, case.strength)
-                for c in concentrations(case)
-            ),
+            density=reference_density(case),
             sound_speed=scheme.sound_speed,
             gravity=gravity_vector(case),
             diffusion=scheme.density_diffusion,

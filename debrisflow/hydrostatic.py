@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import tables
-from debrisflow.particles import Particles
+from debrisflow.particles import Particles, reference_density
 
 LARGEST_GAP = 1.5  # spacings between two particles of one column
 
@@ -14,12 +14,13 @@ LARGEST_GAP = 1.5  # spacings between two particles of one column
 def compress(particles: Particles, case: tables.Case) -> None:
     """Compress columns of fluid that stand on a wall as their weight does; move the particles too.
 
-    With s = rho / rho0 - 1, ``s = g (h - z) / c^2`` at a height z in a column h high, and the
-    particles move down by the volume that the compression takes:
+    At a height z in a column h high, of matter of density rho_m,
 
-        z' = (c^2 / g) ln[(1 + g h / c^2) / (1 + g (h - z) / c^2)]
+        s = g / (rho0 c^2) times the integral of rho_m from z to h,
+        z' = the integral of 1 / (1 + s) from 0 to z
 
-    A column that stands on nothing falls, and is left as it is.  Without this start the fluid
+    where z' is the height to which it sinks.  With rho_m = rho0 that is s = g (h - z) / c^2 and
+    z' = (c^2 / g) ln[(1 + g h / c^2) / (1 + s)].  A column that stands on nothing falls, and is left as it is.  Without this start the fluid
     drops by its compression and swings.
 
     Parameters
@@ -43,16 +44,21 @@ def compress(particles: Particles, case: tables.Case) -> None:
     first = np.concatenate([[0], np.flatnonzero(starts) + 1])
     column = np.repeat(np.arange(first.size), np.diff(first, append=order.size))
     last = np.append(first[1:], order.size) - 1
-    bottom, top = height[first] - 0.5 * d0, height[last] + 0.5 * d0
     beneath = cell[order[first]]
     beneath[:, up] -= 1
     stands = are_among(beneath, cell[particles.fluid_count :])
-    head, h = (height - bottom[column]), (top - bottom)[column]
-    compression = gradient * (h - head)
-    settled = np.log((1.0 + gradient * h) / (1.0 + compression)) / gradient
+    load = gradient * d0 * particles.density[order] / reference_density(case)
+    above = np.cumsum(load)
+    compression = above[last][column] - above + 0.5 * load
+    lower = d0 / load * np.log((1.0 + compression + 0.5 * load) / (1.0 + compression))
+    whole = np.cumsum(
+        d0 / load * np.log((1.0 + compression + 0.5 * load) / (1.0 + compression - 0.5 * load))
+    )
+    beneath_first = np.append(0.0, whole)[first]
+    settled = np.append(0.0, whole[:-1]) - beneath_first[column] + lower
     moved = stands[column]
     rows = order[moved]
-    particles.position[rows, up] = (bottom[column] + settled)[moved]
+    particles.position[rows, up] = (height[first] - 0.5 * d0)[column][moved] + settled[moved]
     particles.compression[rows] = compression[moved]
 
 

@@ -230,6 +230,25 @@ def set_fraction(
     particles.density[rows] = bulk_density(fraction, case.water, case.sediment, case.strength)
 
 
+def concentrations(case: tables.Case) -> set[float]:
+    """Return the sediment concentrations of what a case is filled with and supplied by."""
+    found = {case.mixture.concentration if f.material == "mixture" else 0.0 for f in case.fill}
+    inflow = case.inflow
+    if inflow is not None:
+        graph = inflow.hydrograph
+        if isinstance(graph, tables.Hydrograph):
+            found.update(graph.concentration)
+        else:
+            found.add(inflow.concentration)
+    return found
+
+
+def reference_density(case: tables.Case) -> float:
+    """Return rho0 of the equation of state, kg/m3: that of the heaviest matter of a case."""
+    water, sediment, strength = case.water, case.sediment, case.strength
+    return max(bulk_density(c, water, sediment, strength) for c in concentrations(case))
+
+
 def seed(case: tables.Case) -> Particles:
     """Return the particles of a case at its start.
 
@@ -286,7 +305,7 @@ def supply_column(case: tables.Case, number: int, x: float, sediment: float) -> 
     seed, so that a resumed run draws the same.  In three dimensions, where it is a slab, every
     particle carries the same part of the sediment and is compressed by those above it,
 
-        s = g_n (h - z) / c^2
+        s = (rho / rho0) g_n (h - z) / c^2
 
     with the component of gravity g_n normal to the floor and the depth h of the supply.
 
@@ -323,7 +342,8 @@ def _compress_supply(column: Particles, case: tables.Case, depth: float) -> None
     assert isinstance(case.scheme, tables.ExplicitScheme)
     assert case.scheme.sound_speed is not None
     gradient = max(-case.gravity.components[1], 0.0) / case.scheme.sound_speed**2
-    column.compression[:] = gradient * (depth - column.position[:, 2])
+    heavy = column.density / reference_density(case)
+    column.compression[:] = gradient * heavy * (depth - column.position[:, 2])
 
 
 def supplied_sediment(case: tables.Case, columns: int) -> float:

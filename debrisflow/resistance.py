@@ -12,7 +12,7 @@ from debrisflow.case.materials import pore_density
 from debrisflow.errors import NotConvergedError
 from debrisflow.granular import Grains, radial_distribution
 from debrisflow.laws import law_of
-from debrisflow.particles import Particles
+from debrisflow.particles import Particles, concentrations
 
 Floats = NDArray[np.float64]
 RESIDUAL = 0.01  # of gravity, that the implicit exchange of momentum leaves out of balance
@@ -244,16 +244,3 @@ class Resistance:
         if iterations < 0:
             raise NotConvergedError(name)
         return iterations
-
-
-def concentrations(case: tables.Case) -> set[float]:
-    """Return the sediment concentrations of what a case is filled with and supplied by."""
-    found = {case.mixture.concentration if f.material == "mixture" else 0.0 for f in case.fill}
-    inflow = case.inflow
-    if inflow is not None:
-        graph = inflow.hydrograph
-        if isinstance(graph, tables.Hydrograph):
-            found.update(graph.concentration)
-        else:
-            found.add(inflow.concentration)
-    return found

@@ -98,7 +98,7 @@ class Strength(Table):
     mixing_length: float = quantity(
         "m",
         "greatest mixing length of the turbulent viscosity; over a rough floor "
-        "kappa (y + roughness / 30) at a height y where that is less",
+        "kappa (y + roughness / 30) at a height y where that is less, in two dimensions",
         0.0,
         ge=0,
     )

@@ -75,13 +75,11 @@ def laws_of_mixture(
     inflow: Inflow | None,
     geometry: Geometry,
 ) -> Problems:
-    """Check that the explicit scheme is asked for no slip and no turbulence, and has grains."""
+    """Check that the explicit scheme is asked for no slip, and has grains for its laws."""
     if not isinstance(scheme, ExplicitScheme):
         return
     if drag.law != "none":
         yield Problem("drag.law", HAS_NONE, drag.law)
-    if strength.mixing_length > 0:
-        yield Problem("strength.mixing_length", HAS_NONE, strength.mixing_length)
     has_grains = "mixture" in phases(fill, inflow, geometry)
     if strength.law != "none" and not has_grains:
         message = "has no effect on water; fill with 'mixture'"
