@@ -20,8 +20,8 @@ def compress(particles: Particles, case: tables.Case) -> None:
         z' = the integral of 1 / (1 + s) from 0 to z
 
     where z' is the height to which it sinks.  With rho_m = rho0 that is s = g (h - z) / c^2 and
-    z' = (c^2 / g) ln[(1 + g h / c^2) / (1 + s)].  A column that stands on nothing falls, and is left as it is.  Without this start the fluid
-    drops by its compression and swings.
+    z' = (c^2 / g) ln[(1 + g h / c^2) / (1 + s)].  A column that stands on nothing falls, and is
+    left as it is.  Without this start the fluid drops by its compression and swings.
 
     Parameters
     ----------
