@@ -130,12 +130,12 @@ def numbers_of(lattice, **changes):
 
 
 def fluid_of(position, **known):
-    """Return fluid particles at rest; what is not known of them is 0.
+    """Return fluid particles at rest, all of density rho0; what is not known of them is 0.
 
     The total pressure is ``pressure`` and ``grain_pressure``, if they are known.
     """
     fields = {name: np.zeros(len(position)) for name in pairs.Fluid._fields}
-    fields |= {"position": position, "velocity": np.zeros_like(position)}
+    fields |= {"position": position, "velocity": np.zeros_like(position), "density": None}
     grains = known.pop("grain_pressure", 0.0)
     fields["total_pressure"] = known.get("pressure", fields["pressure"]) + grains
     return pairs.Fluid(**(fields | known))
