@@ -282,10 +282,11 @@ def move(dt, velocity, position):
 
 
 @loop
-def survey_motion(position, velocity, lower, upper, fastest, outside):
+def survey_motion(position, velocity, lower, upper, mouth, fastest, outside):
     """Write, of each block of particles, the greatest squared speed and how many are outside.
 
-    Outside the box from ``lower`` to ``upper``; a velocity that is not finite is infinitely fast.
+    Outside the box from ``lower`` to ``upper``, or beside a flume before its mouth, (x, y0, y1); a
+    velocity that is not finite is infinitely fast.
     """
     n = velocity.shape[0]
     for block in prange(fastest.size):
@@ -295,5 +296,6 @@ def survey_motion(position, velocity, lower, upper, fastest, outside):
             most = max(most, square if square < np.inf else np.inf)
             for k in range(3):
                 left += position[i, k] < lower[k] or position[i, k] > upper[k]
+            left += position[i, 0] < mouth[0] and not (mouth[1] <= position[i, 1] <= mouth[2])
         fastest[block] = most
         outside[block] = left

@@ -292,6 +292,7 @@ class Explicit:
             velocity[: p.fluid_count],
             self.domain.lower,
             self.domain.upper,
+            self.domain.mouth,
             fastest,
             outside,
         )

@@ -303,12 +303,15 @@ def test_the_survey_finds_the_fastest_and_who_is_outside(rng, count):
     position, velocity = rng.uniform(-1.0, 1.0, (2, count, 3))
     fastest, outside = np.empty(16), np.empty(16, dtype=np.int64)
     lower, upper = np.array([-0.9, -2.0, -2.0]), np.array([2.0, 2.0, 0.9])
-    compressible.survey_motion(position, velocity, lower, upper, fastest, outside)
+    mouth = np.array([0.5, -0.3, 0.6])
+    compressible.survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
     square = np.sum(velocity**2, axis=1)
     assert fastest.max() == pytest.approx(square.max(initial=0.0), rel=1e-15)
     # a particle in a corner counts for each bound that it passed
-    assert outside.sum() == np.sum(position[:, 0] < -0.9) + np.sum(position[:, 2] > 0.9)
+    x, y, z = position.T
+    beside = (x < 0.5) & ((y < -0.3) | (y > 0.6))
+    assert outside.sum() == np.sum(x < -0.9) + np.sum(z > 0.9) + np.sum(beside)
     if count:
         velocity[count // 2, 1] = np.nan
-        compressible.survey_motion(position, velocity, lower, upper, fastest, outside)
+        compressible.survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
         assert fastest.max() == np.inf
