@@ -1,10 +1,10 @@
 """Print the figures of the README's tables of accuracy, from runs made now.
 
 python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
-                           [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube]
+                           [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube] [heap]
 
-``fine_flume`` takes about an hour, ``marin`` half an hour, ``collapse`` and ``flume`` about ten
-minutes, the others five or less each.
+``fine_flume`` takes about an hour, ``marin`` and ``heap`` half an hour, ``collapse`` and ``flume``
+about ten minutes, the others five or less each.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from tests.validation import (
     endless_bed,
     flume,
     granular_shear,
+    heap3d,
     hydrostatic,
     mixture_cube,
     rough_film,
@@ -349,6 +350,25 @@ def print_cube() -> None:
         )
 
 
+def print_heap() -> None:
+    """Print run-out, rest and shape of heaps of dry grains."""
+    runs: list[tuple[float, float, int]] = [
+        (ratio, heap3d.ANGLE + off, 12) for ratio in (0.5, 1.0, 2.0) for off in (-5.0, 0.0, 5.0)
+    ]
+    for ratio, angle, across in [*runs, (1.0, heap3d.ANGLE, 16), (1.0, heap3d.ANGLE, 20)]:
+        found = heap3d.run(ratio, angle, across)
+        moved, law = found.moved(), heap3d.lube(ratio)
+        click.echo(
+            f"column, a = {ratio}, {angle:.1f} degrees, d0 = L0/{across}: run-out "
+            f"{found.run_out():.2f} L0, {found.run_out() / law - 1.0:+.0%} to {law:.2f} L0, within "
+            f"a spacing from {found.stopped():.2f} s on; moved in the last 2 s {moved.mean():.3f} "
+            f"d0, at most {moved.max():.2f}; height at the wall {found.height():.2f} H, slope "
+            f"{found.slope():.1f} degrees, volume {found.volume() - 1.0:+.1%}, inside "
+            f"{found.loose():.1%} under 0.93 n0, energy {found.energy.max():.4f}, "
+            f"{found.through_wall} through walls"
+        )
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "still": print_still,
     "viscous": print_viscous,
@@ -364,6 +384,7 @@ PARTS: dict[str, Callable[[], None]] = {
     "dam_break3d": print_dam_break3d,
     "marin": print_marin,
     "cube": print_cube,
+    "heap": print_heap,
 }
 
 
