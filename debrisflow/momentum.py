@@ -9,7 +9,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.operators import contact, velocity_difference, wall_distance
+from debrisflow.operators import contact, magnitude, velocity_difference, wall_distance
 from debrisflow.rheology import (
     consistency_viscosity,
     harmonic_mean,
@@ -37,7 +37,10 @@ class Matter(NamedTuple):
     turbulent_viscosity : (fluid particles,) float64 array, Pa s
     concentration : (fluid particles,) float64 array
         C at the level of the particle, which decides whether grains touch.
-    shear_rate : (fluid particles,) float64 array, 1/s
+    former_velocity : (n, 3) float64 array, m/s
+        Velocity of the mixture before the step.
+    gradient : (fluid particles, 3, 3) float64 array, 1/s
+        Of the former velocity.
     grain_pressure : (n,) float64 array, Pa
         Effective pressure between the grains of the bed.
     """
@@ -47,7 +50,8 @@ class Matter(NamedTuple):
     viscosity: Floats
     turbulent_viscosity: Floats
     concentration: Floats
-    shear_rate: Floats
+    former_velocity: Floats
+    gradient: Floats
     grain_pressure: Floats
 
 
@@ -109,20 +113,56 @@ def predict(dt, gravity, velocity, matter, thrown, is_viscous, walls, stencil, p
 
 
 @kernel
-def strength_viscosity(pressure, c, shear_rate, law):
-    """Return the viscosity of what yields at the strength of the law, with its ramp, Pa s."""
+def law_viscosity(pressure, c, shear_rate, law):
+    """Return what the law adds to the viscosity: its ramp times consistency and yield, Pa s."""
     share = ramp(c, law)
     if share == 0.0:
         return 0.0
     strength = yield_strength(pressure, c, shear_rate, law)
-    return share * yielding_viscosity(strength, shear_rate, law)
+    return share * (
+        consistency_viscosity(c, shear_rate, law) + yielding_viscosity(strength, shear_rate, law)
+    )
 
 
 @kernel
-def smooth_viscosity(i, matter, law):
-    """Return the viscosity of particle i but for its strength: Newtonian, eddies, consistency."""
-    c, newtonian = matter.concentration[i], matter.viscosity[i] + matter.turbulent_viscosity[i]
-    return newtonian + ramp(c, law) * consistency_viscosity(c, matter.shear_rate[i], law)
+def shear_rate_along(one, other, ax, ay, az, du, dv, dw):
+    """Return the shear rate of the mean of two velocity gradients, but along a of one given, 1/s.
+
+    ``a`` is a unit vector and ``(du, dv, dw)`` the derivative of the velocity along it.
+    """
+    ux, uy, uz = one[0, 0] + other[0, 0], one[0, 1] + other[0, 1], one[0, 2] + other[0, 2]
+    vx, vy, vz = one[1, 0] + other[1, 0], one[1, 1] + other[1, 1], one[1, 2] + other[1, 2]
+    wx, wy, wz = one[2, 0] + other[2, 0], one[2, 1] + other[2, 1], one[2, 2] + other[2, 2]
+    du = 2.0 * du - (ux * ax + uy * ay + uz * az)
+    dv = 2.0 * dv - (vx * ax + vy * ay + vz * az)
+    dw = 2.0 * dw - (wx * ax + wy * ay + wz * az)
+    ux, uy, uz = ux + du * ax, uy + du * ay, uz + du * az
+    vx, vy, vz = vx + dv * ax, vy + dv * ay, vz + dv * az
+    wx, wy, wz = wx + dw * ax, wy + dw * ay, wz + dw * az
+    return 0.5 * magnitude(ux, uy, uz, vx, vy, vz, wx, wy, wz)
+
+
+@kernel
+def pair_shear_rate(i, k, matter, walls, stencil):
+    """Return the shear rate between particle i and its neighbor k, 1/s.
+
+    That of their mean velocity gradient, but along the way from one to the other of the difference
+    of their velocities, and over a wall of the mirror's straight line down to its surface.  The
+    gradients alone, means over the influence radius, smear the edge of a plug over four rows and
+    are blind to a velocity that goes up and down from row to row.
+    """
+    j = stencil.neighbors[i, k]
+    u, gradient = matter.former_velocity, matter.gradient
+    du, dv, dw = u[j, 0] - u[i, 0], u[j, 1] - u[i, 1], u[j, 2] - u[i, 2]
+    if j >= stencil.wall_from:
+        rise = -1.0 / wall_distance(i, k, walls, stencil)
+        ax, ay, az = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
+        du, dv, dw = rise * du, rise * dv, rise * dw
+        return shear_rate_along(gradient[i], gradient[i], ax, ay, az, du, dv, dw)
+    rise = stencil.inverse[i, k]
+    ax, ay, az = rise * stencil.dx[i, k], rise * stencil.dy[i, k], rise * stencil.dz[i, k]
+    du, dv, dw = rise * du, rise * dv, rise * dw
+    return shear_rate_along(gradient[i], gradient[j], ax, ay, az, du, dv, dw)
 
 
 @kernel
@@ -132,8 +172,8 @@ def exchange_row_at(i, dt, fluid_count, matter, law, walls, stencil, system, rig
         rho_i u_i + dt sum of K_ij (u_i - u_j) = rho_i u**_i
         K_ij = (2 Ds / (lambda n0)) w eta_ij
 
-    eta_ij is the harmonic mean of :func:`smooth_viscosity` plus :func:`strength_viscosity` at the
-    pair's mean pressure, shear rate and lesser concentration.  K is symmetric:
+    eta_ij is the harmonic mean of the viscosities (Newtonian and turbulent) plus that of the law at
+    the pair's mean pressure, lesser concentration and :func:`pair_shear_rate`.  K is symmetric:
     what one particle loses the other gains.
     Coefficients are taken at the velocities given, one pass.  Walls and inflow have their own
     velocity; a wall's is mirrored as in :func:`velocity_difference`, and with a free-slip wall
@@ -145,9 +185,13 @@ def exchange_row_at(i, dt, fluid_count, matter, law, walls, stencil, system, rig
     """
     r_e = stencil.effective_radius
     factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
-    velocity, density, c = matter.velocity, matter.density, matter.concentration
-    shear_rate, grain_pressure = matter.shear_rate, matter.grain_pressure
-    mu_i = smooth_viscosity(i, matter, law)
+    velocity, density, viscosity = matter.velocity, matter.density, matter.viscosity
+    eddies, c, grain_pressure = (
+        matter.turbulent_viscosity,
+        matter.concentration,
+        matter.grain_pressure,
+    )
+    mu_i = viscosity[i] + eddies[i]
     diagonal = density[i]
     x, y, z = (
         density[i] * velocity[i, 0],
@@ -167,19 +211,18 @@ def exchange_row_at(i, dt, fluid_count, matter, law, walls, stencil, system, rig
                 if k < stencil.unknown_count[i]
                 else grain_pressure[i]
             )
-            mu = mu_i
-            if walls.roughness[j] > 0.0:
-                mu -= matter.turbulent_viscosity[i]
-            eta = mu + strength_viscosity(p, c[i], shear_rate[i], law)
+            mu = viscosity[i] if walls.roughness[j] > 0.0 else mu_i
+            rate = pair_shear_rate(i, k, matter, walls, stencil)
+            eta = mu + law_viscosity(p, c[i], rate, law)
             mirror = 1.0 + walls.depth[j] / wall_distance(i, k, walls, stencil)
             coupling = dt * factor * w * eta * mirror
         elif j >= fluid_count:
             coupling = dt * factor * w * mu_i
         else:
-            eta = harmonic_mean(mu_i, smooth_viscosity(j, matter, law)) + strength_viscosity(
+            eta = harmonic_mean(mu_i, viscosity[j] + eddies[j]) + law_viscosity(
                 0.5 * (grain_pressure[i] + grain_pressure[j]),
                 min(c[i], c[j]),
-                0.5 * (shear_rate[i] + shear_rate[j]),
+                pair_shear_rate(i, k, matter, walls, stencil),
                 law,
             )
             coupling = dt * factor * w * eta

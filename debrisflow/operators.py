@@ -367,14 +367,8 @@ def spread(xx, yy, zz, determinant):
 
 
 @kernel
-def shear_rate_at(i, velocity, walls, stencil):
-    """Return ``sqrt(2 D : D)`` with ``D`` the symmetric part of the velocity gradient, 1/s.
-
-    The gradient is ``B M^-1``, ``B = sum of u_ij (x) r_ij w / r^2`` and
-    ``M = sum of r_ij (x) r_ij w / r^2``: exact for a linear profile on any arrangement, up to a
-    wall and to a free surface.  The usual ``M = n0 I / Ds`` holds on the lattice alone; in a layer
-    whose rows pass each other it reads 1.5 % too little.  Neighbors on a line, or none, give 0.
-    """
+def gradient_moments_at(i, velocity, walls, stencil):
+    """Return ``M`` and ``B`` of :func:`shear_rate_at`, as :func:`strain_rate` takes them."""
     r_e = stencil.effective_radius
     xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -390,7 +384,52 @@ def shear_rate_at(i, velocity, walls, stencil):
         wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
     if stencil.dimension < 3.0:
         zz = 0.5 * (xx + yy)  # nothing varies along z
-    return strain_rate(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)
+    return xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz
+
+
+@kernel
+def shear_rate_at(i, velocity, walls, stencil):
+    """Return ``sqrt(2 D : D)`` with ``D`` the symmetric part of the velocity gradient, 1/s.
+
+    The gradient is ``B M^-1``, ``B = sum of u_ij (x) r_ij w / r^2`` and
+    ``M = sum of r_ij (x) r_ij w / r^2``: exact for a linear profile on any arrangement, up to a
+    wall and to a free surface.  The usual ``M = n0 I / Ds`` holds on the lattice alone; in a layer
+    whose rows pass each other it reads 1.5 % too little.  Neighbors on a line, or none, give 0.
+    """
+    return strain_rate(*gradient_moments_at(i, velocity, walls, stencil))
+
+
+@kernel
+def solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz):
+    """Return the velocity gradient ``B M^-1`` by rows, 1/s; 0 where neighbors stand on a line."""
+    a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
+    if spread(xx, yy, zz, determinant) <= LEAST_SPREAD:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    q = 1.0 / determinant
+    return (
+        q * (a * ux + b * uy + d * uz),
+        q * (b * ux + c * uy + e * uz),
+        q * (d * ux + e * uy + f * uz),
+        q * (a * vx + b * vy + d * vz),
+        q * (b * vx + c * vy + e * vz),
+        q * (d * vx + e * vy + f * vz),
+        q * (a * wx + b * wy + d * wz),
+        q * (b * wx + c * wy + e * wz),
+        q * (d * wx + e * wy + f * wz),
+    )
+
+
+@kernel
+def magnitude(ux, uy, uz, vx, vy, vz, wx, wy, wz):
+    """Return ``sqrt(2 D : D)`` of a velocity gradient, 1/s.
+
+    Examples
+    --------
+    >>> magnitude(0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    3.0
+    """
+    stretch = 2.0 * (ux * ux + vy * vy + wz * wz)
+    return np.sqrt(stretch + (uy + vx) ** 2 + (uz + wx) ** 2 + (vz + wy) ** 2)
 
 
 @kernel
@@ -405,18 +444,14 @@ def strain_rate(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz):
     >>> strain_rate(2.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 6.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     3.0
     """
-    a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
-    if spread(xx, yy, zz, determinant) <= LEAST_SPREAD:
-        return 0.0
-    ux, uy, uz = a * ux + b * uy + d * uz, b * ux + c * uy + e * uz, d * ux + e * uy + f * uz
-    vx, vy, vz = a * vx + b * vy + d * vz, b * vx + c * vy + e * vz, d * vx + e * vy + f * vz
-    wx, wy, wz = a * wx + b * wy + d * wz, b * wx + c * wy + e * wz, d * wx + e * wy + f * wz
-    stretch = 2.0 * (ux * ux + vy * vy + wz * wz)
-    return np.sqrt(stretch + (uy + vx) ** 2 + (uz + wx) ** 2 + (vz + wy) ** 2) / determinant
+    return magnitude(*solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz))
 
 
 @loop
-def shear_rate(velocity, walls, stencil, rate):
-    """Write the shear rate of the first ``rate.size`` particles, (m,) float64 array, 1/s."""
+def velocity_gradients(velocity, walls, stencil, gradient, rate):
+    """Write the velocity gradient of the first particles, (m, 3, 3), and the shear rate, (m,)."""
     for i in prange(rate.size):
-        rate[i] = shear_rate_at(i, velocity, walls, stencil)
+        found = solve_gradient(*gradient_moments_at(i, velocity, walls, stencil))
+        for k in range(9):
+            gradient[i, k // 3, k % 3] = found[k]
+        rate[i] = magnitude(*found)

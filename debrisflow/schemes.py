@@ -256,7 +256,8 @@ class SemiImplicit:
             self._slip.observe(p, self._stencil)
             self._mixture_velocity = p.velocity.copy()
             self._mixture_velocity[p.fluid] -= self._slip.velocity
-        self._shear_rate, self._level_concentration, self._turbulent_viscosity = np.zeros((3, n))
+        self._level_concentration, self._turbulent_viscosity = np.zeros((2, n))
+        self._gradient = np.zeros((n, 3, 3))
         if self._has_strength and n > 0:
             self._observe_strength(p)
         if self._has_collisions:
@@ -271,11 +272,14 @@ class SemiImplicit:
             granular.level_concentration(n, fractions, self._down, self._stencil, at_level)
             fractions = at_level
         self._level_concentration = at_level
-        operators.shear_rate(self._mixture_velocity, self._walls, self._stencil, self._shear_rate)
+        self._gradient, shear_rate = np.empty((n, 3, 3)), np.empty(n)
+        operators.velocity_gradients(
+            self._mixture_velocity, self._walls, self._stencil, self._gradient, shear_rate
+        )
         x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
         momentum.turbulent_viscosities(
             p.density,
-            self._shear_rate,
+            shear_rate,
             np.maximum(geometry.height_over_floor(case, x, y, x), 0.5 * self.lattice.spacing),
             geometry.floor_roughness(case, x),
             self._mixing_length,
@@ -325,7 +329,8 @@ class SemiImplicit:
             self._viscosity[p.kind],
             self._turbulent_viscosity,
             self._level_concentration,
-            self._shear_rate,
+            self._mixture_velocity,
+            self._gradient,
             p.grain_pressure,
         )
 

@@ -171,8 +171,12 @@ def exchange_system(stencil, velocity, density, dt, strength=NO_STRENGTH, **fiel
     All particles are fluid; fields that are not given are 0.
     """
     count = len(velocity)
-    names = ("viscosity", "turbulent_viscosity", "concentration", "shear_rate", "grain_pressure")
-    matter = momentum.Matter(velocity, density, *(fields.get(n, np.zeros(count)) for n in names))
+    names = ("viscosity", "turbulent_viscosity", "concentration", "grain_pressure")
+    known = {name: fields.get(name, np.zeros(count)) for name in names}
+    gradient = fields.get("gradient", np.zeros((count, 3, 3)))
+    matter = momentum.Matter(
+        velocity=velocity, density=density, former_velocity=velocity, gradient=gradient, **known
+    )
     system, right = empty_system(stencil.neighbors), np.zeros((count, 3))
     momentum.assemble_exchange(
         dt,

@@ -298,7 +298,7 @@ def test_the_viscous_force_conserves_momentum(patch, rng):
     found = np.empty_like(velocity)
     viscosity = rng.choice([0.0, 1e-3, 10.0], 200)
     walls = no_walls(200)
-    matter = momentum.Matter(velocity, density, viscosity, NONE, NONE, NONE, NONE)
+    matter = momentum.Matter(velocity, density, viscosity, NONE, NONE, NONE, NONE, NONE)
     thrown = np.zeros((0, 3))
     momentum.predict(1.0, NOWHERE, velocity, matter, thrown, True, walls, stencil, found)
     force = density[:, None] * (found - velocity)
@@ -314,7 +314,7 @@ def test_the_collision_stress_conserves_momentum_and_spares_water(patch, rng):
     walls = no_walls(200)
     thrown = np.empty((200, 3))
     granular.throw(velocity, density, fraction, grain_pressure, viscosity, walls, stencil, thrown)
-    matter = momentum.Matter(velocity, density, NONE, NONE, NONE, NONE, NONE)
+    matter = momentum.Matter(velocity, density, NONE, NONE, NONE, NONE, NONE, NONE)
     momentum.predict(1.0, NOWHERE, velocity, matter, thrown, False, walls, stencil, found)
     np.testing.assert_allclose(found, velocity + thrown, rtol=1e-14)
     force = density[:, None] * thrown

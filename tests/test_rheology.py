@@ -268,7 +268,7 @@ def test_what_one_particle_loses_the_other_gains(law):
         viscosity=rng.uniform(0, 10.0, 150),
         turbulent_viscosity=rng.uniform(0, 10.0, 150),
         concentration=rng.uniform(0, 0.5, 150),
-        shear_rate=rng.uniform(0, 50.0, 150),
+        gradient=rng.uniform(-50.0, 50.0, (150, 3, 3)),
         grain_pressure=rng.uniform(0, 1e3, 150),
     )
     coupling = np.zeros((150, 150))
