@@ -445,13 +445,3 @@ def strain_rate(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz):
     3.0
     """
     return magnitude(*solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz))
-
-
-@loop
-def velocity_gradients(velocity, walls, stencil, gradient, rate):
-    """Write the velocity gradient of the first particles, (m, 3, 3), and the shear rate, (m,)."""
-    for i in prange(rate.size):
-        found = solve_gradient(*gradient_moments_at(i, velocity, walls, stencil))
-        for k in range(9):
-            gradient[i, k // 3, k % 3] = found[k]
-        rate[i] = magnitude(*found)

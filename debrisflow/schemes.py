@@ -264,7 +264,7 @@ class SemiImplicit:
             self._observe_collisions(p)
 
     def _observe_strength(self, p: Particles) -> None:
-        """Find what friction and turbulence depend on."""
+        """Find what strength and turbulence depend on."""
         n, case = p.fluid_count, self.case
         fractions = p.sediment_fraction
         for _ in range(2):
@@ -272,17 +272,16 @@ class SemiImplicit:
             granular.level_concentration(n, fractions, self._down, self._stencil, at_level)
             fractions = at_level
         self._level_concentration = at_level
-        self._gradient, shear_rate = np.empty((n, 3, 3)), np.empty(n)
-        operators.velocity_gradients(
-            self._mixture_velocity, self._walls, self._stencil, self._gradient, shear_rate
-        )
         x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
-        momentum.turbulent_viscosities(
+        momentum.survey_shear(
+            self._mixture_velocity,
             p.density,
-            shear_rate,
             np.maximum(geometry.height_over_floor(case, x, y, x), 0.5 * self.lattice.spacing),
             geometry.floor_roughness(case, x),
             self._mixing_length,
+            self._walls,
+            self._stencil,
+            self._gradient,
             self._turbulent_viscosity,
         )
 
