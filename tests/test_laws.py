@@ -5,7 +5,7 @@ from math import radians, tan
 import pytest
 
 from debrisflow import rheology
-from debrisflow.case.materials import Sediment, Strength, Water, buoyant_share, bulk_density
+from debrisflow.case.materials import Sediment, Strength, Water, bulk_density, buoyant_share
 from debrisflow.laws import law_of
 from tests.building import tank_case
 
