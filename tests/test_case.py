@@ -124,6 +124,12 @@ class TestRoundTrip:
             "inflow.across",
             "inflow.hydrograph",
             "collision_stress.concentration",
+            "strength.dynamic_friction_angle",
+            "strength.yield_stress",
+            "strength.yield_growth",
+            "strength.consistency",
+            "strength.exponent",
+            "strength.viscosity_growth",
         }
 
     @pytest.mark.parametrize("path", sorted(Path(__file__).parents[1].glob("cases/*.toml")))

@@ -31,7 +31,7 @@ def fields_of_law(strength: Strength) -> Problems:
             assert place.field is not None
             unit = unit_of(place.field).strip()
             meaning = f"{place.field.description}" + (f" ({unit})" if unit else "")
-            message = f"missing with the law '{strength.law}': {meaning}"
+            message = f"missing: {meaning}"
             yield Problem(f"strength.{name}", message)
     special = dict.fromkeys(name for fields in USED.values() for name in fields)
     unused = [name for name in special if name not in used]

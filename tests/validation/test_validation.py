@@ -12,6 +12,7 @@ from tests.validation import (
     hydrostatic,
     rough_film,
     settling,
+    slurry_film,
     viscous,
 )
 
@@ -198,3 +199,18 @@ def test_the_splash_of_a_dam_break_stays_in_the_tank():
 def test_a_turbulent_film_has_the_speed_of_its_profile(rows, roughness, mixing_length, error):
     film = (0.026, roughness, mixing_length)
     assert rough_film.run(rows, *film) == pytest.approx(rough_film.mean_speed(*film), rel=error)
+
+
+@pytest.mark.parametrize("law", ["bingham", "herschel-bulkley", "mu-i"])
+def test_a_film_of_slurry_or_dry_grains_has_its_profile(law):
+    off = slurry_film.errors(law, 1.6)
+    assert np.sqrt(np.mean(off**2)) < 0.03
+    assert np.abs(off).max() < 0.03
+
+
+# of at most 2.5 degrees, where the yield stress is rho g h sin(slope), and of the friction angle, 8
+@pytest.mark.parametrize(
+    ("law", "slope"), [("bingham", 2.0), ("herschel-bulkley", 2.0), ("mu-i", 6.0)]
+)
+def test_a_layer_below_its_yield_stays(law, slope):
+    assert slurry_film.creep(law, slope) < 0.1

@@ -1,0 +1,63 @@
+"""The law that a case makes, and the density and buoyancy of its mixture."""
+
+from math import radians, tan
+
+import pytest
+
+from debrisflow import rheology
+from debrisflow.case.materials import Sediment, Strength, Water, bulk_density, buoyant_share
+from debrisflow.laws import law_of
+from tests.building import tank_case
+
+WATER, ROCK = Water(density=1000.0), Sediment(density=2500.0)
+WET, DRY = Strength(law="coulomb"), Strength(law="coulomb", saturated=False)
+
+
+def law_from(**strength):
+    """Return the law of a case with a table of strength."""
+    return law_of(tank_case(4, 4, "mixture", strength=strength))
+
+
+def test_the_density_of_a_mixture_is_that_of_its_parts():
+    assert bulk_density(0.0, WATER, ROCK, WET) == 1000.0
+    assert bulk_density(0.6, WATER, ROCK, WET) == pytest.approx(0.6 * 2500.0 + 0.4 * 1000.0)
+    assert bulk_density(1.0, WATER, ROCK, WET) == 2500.0
+    assert bulk_density(0.6, WATER, ROCK, DRY) == pytest.approx(0.6 * 2500.0)
+
+
+def test_grains_carry_their_buoyant_share_in_water_and_all_when_dry():
+    assert buoyant_share(0.6, WATER, ROCK, WET) == pytest.approx(0.6 * 1500.0 / 1900.0)
+    assert buoyant_share(0.6, WATER, ROCK, DRY) == 1.0
+    assert buoyant_share(0.0, WATER, ROCK, WET) == 0.0
+
+
+def test_no_law_resists_nothing():
+    law = law_from(law="none", yield_stress=10.0, consistency=5.0)
+    assert rheology.yield_strength(1e4, 0.5, 1.0, law) == 0.0
+    assert rheology.consistency_viscosity(0.5, 1.0, law) == 0.0
+
+
+def test_friction_is_that_of_the_angles():
+    assert law_from(law="coulomb", friction_angle=30.0).friction == tan(radians(30.0))
+    assert law_from(law="coulomb").friction_span == 0.0
+    law = law_from(law="mu-i", friction_angle=20.9, dynamic_friction_angle=32.76)
+    assert law.friction == tan(radians(20.9))
+    assert law.friction + law.friction_span == pytest.approx(tan(radians(32.76)))
+    assert (law.inertia, law.grain_diameter, law.grain_density) == (0.279, 0.003, 2650.0)
+
+
+def test_slurries_have_no_friction():
+    law = law_from(law="bingham", yield_stress=20.0)
+    assert rheology.yield_strength(1e4, 0.5, 1.0, law) == 20.0
+    assert law.consistency == 0.0
+    law = law_from(law="herschel-bulkley", yield_stress=20.0, consistency=5.0, exponent=0.4)
+    assert (law.friction, law.yield_stress, law.consistency, law.exponent) == (0.0, 20.0, 5.0, 0.4)
+    assert (law.ramp_start, law.ramp_end) == (0.20, 0.35)
+
+
+def test_a_mud_of_o_brien_and_julien_has_its_law_at_any_concentration():
+    numbers = {"yield_stress": 0.0181, "yield_growth": 25.7, "consistency": 0.0036}
+    law = law_from(law="obrien-julien", viscosity_growth=22.1, **numbers)
+    assert (law.yield_growth, law.viscosity_growth, law.exponent) == (25.7, 22.1, 1.0)
+    assert rheology.ramp(0.0, law) == 0.0
+    assert rheology.ramp(1e-6, law) == 1.0
