@@ -147,7 +147,8 @@ def solid_of(position, normal=(0.0, 0.0, 1.0), depth=0.0, slip=0.0, layers=1.0, 
     normals = np.array(np.broadcast_to(normal, (count, 3)), dtype=float)
     depths, slips, layers = (np.full(count, 1.0) * value for value in (depth, slip, layers))
     looked_for = np.where(layers == 1.0, np.inf, -np.inf)  # contacts, at any height
-    return pairs.Solid(position, normals, depths, slips, looked_for, np.full(count, on_mesh))
+    on_meshes, driving = np.full(count, on_mesh), np.zeros((count, 3))
+    return pairs.Solid(position, normals, depths, slips, looked_for, on_meshes, driving)
 
 
 def near_of(fluid, solid, lattice, period=NOWHERE):

@@ -59,7 +59,8 @@ def solid(rng):
     normal = rng.normal(size=(150, 3))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     depth, slip = rng.uniform(0.0, 3.0, 150) * SPACING, rng.choice([0.0, 1.0], 150)
-    return solid_of(random_patch(3, 150, rng, LENGTH), normal, depth, slip)
+    solid = solid_of(random_patch(3, 150, rng, LENGTH), normal, depth, slip)
+    return solid._replace(driving=rng.normal(0.0, 5.0, (150, 3)))
 
 
 @pytest.fixture
@@ -189,7 +190,8 @@ def test_the_acceleration_is_the_sum_over_all_pairs(fluid, solid, period):
     along = (artificial - numbers.gradient * (p[None] + p[:, None])) * w / d**2
     drag = numbers.laplacian * 0.5 * (mu[None] + mu[:, None]) * w
     force = np.einsum("ij,ijk->ik", along, r) + np.einsum("ij,ijk->ik", drag, u_ij)
-    p_wall = np.maximum(fluid.pressure[:, None] + rho[:, None] * (r_wall @ numbers.gravity), 0.0)
+    balanced = np.einsum("ijk,jk->ij", r_wall, numbers.gravity - solid.driving)
+    p_wall = np.maximum(fluid.pressure[:, None] + rho[:, None] * balanced, 0.0)
     p_wall += (fluid.total_pressure - fluid.pressure)[:, None]
     push = -numbers.gradient * (p[:, None] + p_wall) * w_wall / d_wall**2
     height = -np.einsum("ijk,jk->ij", r_wall, solid.normal) - solid.depth
@@ -291,6 +293,24 @@ def test_fluid_at_rest_in_a_corner_of_walls_stays_at_rest(closed):
     np.testing.assert_allclose(found[supported, :6], 0.0, atol=1000.0 * EXACT)
     # where the surface is in reach the weight of what is missing is
     assert np.abs(found[~full[:, 2], :3]).max() > 1.0
+
+
+def test_a_layer_on_a_slope_runs_with_all_of_the_gravity_along_it():
+    # a pressure that balances gravity across the floor alone
+    position = lattice_block(3, 10, SPACING)
+    walled = position[:, 2] < 3.0 * SPACING
+    gravity = np.array([3.0, -2.0, -9.0])
+    fluid = position[~walled]
+    solid = solid_of(position[walled])._replace(
+        driving=np.tile([3.0, -2.0, 0.0], (np.count_nonzero(walled), 1))
+    )
+    still = fluid_of(fluid, pressure=1000.0 * 9.0 * (10.0 * SPACING - fluid[:, 2]))
+    found = rows(compressible.acceleration_at, still, solid, gravity=gravity)
+    inner = np.all((fluid > 2.4 * SPACING) & (fluid < 7.6 * SPACING), axis=1)
+    assert inner.sum() >= 4 * 5**2
+    assert np.any(fluid[inner, 2] < 4.0 * SPACING)  # the lowest row
+    expected = np.tile([3.0, -2.0, 0.0], (inner.sum(), 1))
+    np.testing.assert_allclose(found[inner, :3], expected, atol=1000.0 * EXACT)
 
 
 def test_a_wall_never_pulls():
