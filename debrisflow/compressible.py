@@ -136,12 +136,12 @@ def acceleration_at(i, fluid, solid, near, numbers):
 
     with P the pressure of fluid and grains and nu_ij the mean viscosity of the pair.  The sum form
     of the pressure conserves momentum, and is never attractive since P >= 0; the study's form (14)
-    is not needed then.  A wall neighbor has the pressure ``max(p_i + rho_i (g - g_d) . r_ij, 0)`` of
-    the fluid, g_d being what drives the flow along the wall, of which the wall would bear a share;
-    and that of the grains of i.  It exchanges momentum by viscosity where it is no-slip; the
-    artificial viscosity does not act on walls, where it would be a drag that depends on the
-    spacing.  Particles nearer than the collision distance that approach exchange the impulse of a
-    collision, from the same velocities for both.
+    is not needed then.  A wall neighbor has the pressure of the fluid
+    ``max(p_i + rho_i (g - g_d) . r_ij, 0)``, g_d being what drives the flow along the wall, of
+    which the wall would bear a share; and that of the grains of i.  It exchanges momentum by
+    viscosity where it is no-slip; the artificial viscosity does not act on walls, where it would be
+    a drag that depends on the spacing.  Particles nearer than the collision distance that approach
+    exchange the impulse of a collision, from the same velocities for both.
     """
     position, velocity = fluid.position, fluid.velocity
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]

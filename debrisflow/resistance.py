@@ -16,6 +16,7 @@ from debrisflow.particles import Particles, concentrations
 
 Floats = NDArray[np.float64]
 RESIDUAL = 0.01  # of gravity, that the implicit exchange of momentum leaves out of balance
+STILL = 1e-3  # of the speed, the gain against which it is measured where nothing else acts
 GRAIN_RESIDUAL = 1e-3  # of the weight of the grains, that their static balance leaves
 MOST_ITERATIONS = 1000
 WEIGHING = 0.5  # of the concentration where strength begins: there grains begin to weigh
@@ -159,7 +160,8 @@ class Resistance:
         )
         right = flow.density[:, None] * velocity
         started = p.velocity[p.moving]
-        scale = dt * self._g or np.sqrt(np.mean((velocity - started) ** 2))
+        gain, speed = (np.sqrt(np.mean(u**2)) for u in (velocity - started, velocity))
+        scale = dt * self._g or max(gain, STILL * speed)
         goal = (RESIDUAL * scale) ** 2 * float(np.sum(flow.density[: p.fluid_count] ** 2))
         velocity[:] = started
         if self._gain.shape == velocity.shape:
