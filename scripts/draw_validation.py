@@ -2,7 +2,7 @@
 
 python scripts/draw_validation.py marin|fronts|heap FILE.png
 
-``marin`` takes about ten minutes, ``fronts`` and ``heap`` about five.
+``marin`` takes about ten minutes, ``heap`` about eight, ``fronts`` about five.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from matplotlib import pyplot as plt
 # colors of Okabe & Ito, which color-blind readers can tell apart
 COLORS = ("#56b4e9", "#d55e00", "#009e73")
 PANELS = ("h4", "h3", "h2", "h1", "p1", "p2", "p3", "p4")
-HEAP_TIMES = (0.0, 0.1, 0.2, 3.0)  # s
+HEAP_TIMES = {"at the start": 0.0, "0.1 s": 0.1, "0.2 s": 0.2, "at rest": None}
 LARGEST_PRESSURE = 14.0  # kPa, of the panels
 
 
@@ -68,9 +68,9 @@ def draw_heap(runs: dict[float, heap3d.Heap], file: Path) -> None:
     """Draw outlines of heaps, by their a, over time, and the run-out of the experiments."""
     figure, panels = plt.subplots(len(runs), 1, figsize=(8, 7), layout="constrained")
     for axes, (ratio, run) in zip(panels, runs.items(), strict=True):
-        for color, time in zip(("0.7", *COLORS), HEAP_TIMES, strict=True):
+        for color, (label, time) in zip(("0.7", *COLORS), HEAP_TIMES.items(), strict=True):
             x, height = run.outline(time)
-            axes.plot(x / heap3d.LENGTH, height / heap3d.LENGTH, color, lw=1.0, label=f"{time} s")
+            axes.plot(x / heap3d.LENGTH, height / heap3d.LENGTH, color, lw=1.0, label=label)
         axes.axvline(1.0 + heap3d.lube(ratio), color="k", ls="--", lw=0.8, label="measured end")
         axes.set_title(f"a = {ratio}", fontsize=9, loc="left", pad=2)
         axes.set(ylabel="z / L0", xlim=(0.0, 4.5), aspect="equal")
@@ -87,7 +87,7 @@ def main(what: str, file: Path) -> None:
     if what == "marin":
         draw_marin({d0: spheric.run(d0, 6.0) for d0 in spheric.SPACINGS}, file)
     elif what == "heap":
-        draw_heap({ratio: heap3d.run(ratio) for ratio in (0.5, 1.0, 2.0)}, file)
+        draw_heap({a: heap3d.run(a, across=n) for a, n in heap3d.ACROSS.items()}, file)
     else:
         draw_fronts(
             {

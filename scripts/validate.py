@@ -352,17 +352,20 @@ def print_cube() -> None:
 
 def print_heap() -> None:
     """Print run-out, rest and shape of heaps of dry grains."""
-    runs: list[tuple[float, float, int]] = [
-        (ratio, heap3d.ANGLE + off, 12) for ratio in (0.5, 1.0, 2.0) for off in (-5.0, 0.0, 5.0)
+    runs = [
+        (ratio, heap3d.ANGLE + off, across)
+        for ratio, across in heap3d.ACROSS.items()
+        for off in (-5.0, 0.0, 5.0)
     ]
-    for ratio, angle, across in [*runs, (1.0, heap3d.ANGLE, 16), (1.0, heap3d.ANGLE, 20)]:
+    for ratio, angle, across in [*runs, *((1.0, heap3d.ANGLE, n) for n in (10, 16, 20))]:
         found = heap3d.run(ratio, angle, across)
         moved, law = found.moved(), heap3d.lube(ratio)
         click.echo(
             f"column, a = {ratio}, {angle:.1f} degrees, d0 = L0/{across}: run-out "
-            f"{found.run_out():.2f} L0, {found.run_out() / law - 1.0:+.0%} to {law:.2f} L0, within "
-            f"a spacing from {found.stopped():.2f} s on; moved in the last 2 s {moved.mean():.3f} "
-            f"d0, at most {moved.max():.2f}; height at the wall {found.height():.2f} H, slope "
+            f"{found.run_out():.2f} L0, {found.run_out() / law - 1.0:+.0%} to {law:.2f} L0, deeper "
+            f"than L0 / 10 up to {found.body():.2f} L0; front at rest from {found.stopped():.2f} s "
+            f"on; moved in the last 2 s {moved.mean():.3f} d0, at most {moved.max():.2f}; height "
+            f"at the wall {found.height():.2f} H, slope "
             f"{found.slope():.1f} degrees, volume {found.volume() - 1.0:+.1%}, inside "
             f"{found.loose():.1%} under 0.93 n0, energy {found.energy.max():.4f}, "
             f"{found.through_wall} through walls"

@@ -21,7 +21,8 @@ from tests.validation.marching import energy, states
 Floats = NDArray[np.float64]
 CASE = Path(__file__).parents[2] / "cases" / "heap3d.toml"
 LENGTH, ACROSS_SLAB = 0.12, 11  # L0, m; spacings
-ANGLE = 26.6  # degrees
+ANGLE = 30.0  # degrees
+ACROSS = {0.5: 20, 1.0: 12, 2.0: 12}  # spacings that L0 is long, by a: ten or more high
 SLOWEST = 1.0  # s, by which a heap has come to rest
 ROOM = 2.0  # run-outs of the experiments that the tank is longer than the column
 LOOSE, INSIDE = 0.93, 2.5  # of n0; spacings under the surface
@@ -64,6 +65,14 @@ class Heap:
     def run_out(self) -> float:
         """Return ``(L - L0) / L0``."""
         return float(self.front[-1] / LENGTH - 1.0)
+
+    def body(self) -> float:
+        """Return ``(x - L0) / L0`` of the place ahead of which the heap is thinner than L0 / 10.
+
+        The tip ahead of it is a single layer, however thin, whose length depends on the spacing.
+        """
+        x, height = self.outline()
+        return float(x[height > 0.1 * LENGTH].max() / LENGTH - 1.0)
 
     def stopped(self) -> float:
         """Return when the front came to within a spacing of where it stays, s."""
