@@ -136,8 +136,9 @@ def acceleration_at(i, fluid, solid, near, numbers):
 
     with P the pressure of fluid and grains and nu_ij the mean viscosity of the pair.  The sum form
     of the pressure conserves momentum, and is never attractive since P >= 0; the study's form (14)
-    is not needed then.  A wall neighbor has the pressure ``max(p_i + rho0 g . r_ij, 0)`` of the
-    fluid and that of the grains of i, and exchanges momentum by viscosity where it is no-slip; the
+    is not needed then.  A wall neighbor has the pressure ``max(p_i + rho_i (g - g_d) . r_ij, 0)`` of
+    the fluid, g_d being what drives the flow along the wall, of which the wall would bear a share;
+    and that of the grains of i.  It exchanges momentum by viscosity where it is no-slip; the
     artificial viscosity does not act on walls, where it would be a drag that depends on the
     spacing.  Particles nearer than the collision distance that approach exchange the impulse of a
     collision, from the same velocities for both.
@@ -176,7 +177,8 @@ def acceleration_at(i, fluid, solid, near, numbers):
         dx, dy, dz = separation(i, j, position, solid.position, near.period)
         inverse = inverse_distance(dx, dy, dz, numbers)
         weighed = weight(inverse, numbers)
-        p_wall = max(fluid.pressure[i] + rho * (gx * dx + gy * dy + gz * dz), 0.0)
+        hx, hy, hz = gx - solid.driving[j, 0], gy - solid.driving[j, 1], gz - solid.driving[j, 2]
+        p_wall = max(fluid.pressure[i] + rho * (hx * dx + hy * dy + hz * dz), 0.0)
         p = total_i + p_wall + grains_i
         line = -push * p * weighed * inverse * inverse
         height = height_over(dx, dy, dz, j, solid)
@@ -282,10 +284,11 @@ def move(dt, velocity, position):
 
 
 @loop
-def survey_motion(position, velocity, lower, upper, fastest, outside):
+def survey_motion(position, velocity, lower, upper, mouth, fastest, outside):
     """Write, of each block of particles, the greatest squared speed and how many are outside.
 
-    Outside the box from ``lower`` to ``upper``; a velocity that is not finite is infinitely fast.
+    Outside the box from ``lower`` to ``upper``, or beside a flume before its mouth, (x, y0, y1); a
+    velocity that is not finite is infinitely fast.
     """
     n = velocity.shape[0]
     for block in prange(fastest.size):
@@ -295,5 +298,6 @@ def survey_motion(position, velocity, lower, upper, fastest, outside):
             most = max(most, square if square < np.inf else np.inf)
             for k in range(3):
                 left += position[i, k] < lower[k] or position[i, k] > upper[k]
+            left += position[i, 0] < mouth[0] and not (mouth[1] <= position[i, 1] <= mouth[2])
         fastest[block] = most
         outside[block] = left

@@ -231,6 +231,7 @@ class Explicit:
             surface.slip[walls],
             np.where(p.kind[walls] == Kind.WALL, contact, -np.inf),
             on_mesh,
+            geometry.driving_gravity(self.case, p.position[walls, 0], surface.normal[walls]),
         )
         self._near_walls = FixedNeighbors(
             p.position[walls],
@@ -292,6 +293,7 @@ class Explicit:
             velocity[: p.fluid_count],
             self.domain.lower,
             self.domain.upper,
+            self.domain.mouth,
             fastest,
             outside,
         )

@@ -64,6 +64,8 @@ class Solid(NamedTuple):
         Height over the surface below which contacts are looked for; -inf under the first layer.
     on_mesh : (m,) bool array
         Whether the surface is that of a mesh, of any direction, not along the axes.
+    driving : (m, 3) float64 array, m/s2
+        The part of gravity along a wall that drives the flow and that no pressure balances.
     """
 
     position: Floats
@@ -72,6 +74,7 @@ class Solid(NamedTuple):
     slip: Floats
     contact_height: Floats
     on_mesh: NDArray[np.bool_]
+    driving: Floats
 
 
 class Near(NamedTuple):

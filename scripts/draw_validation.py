@@ -1,8 +1,8 @@
-"""Draw the dam breaks in three dimensions beside the experiments, from runs made now.
+"""Draw what runs in three dimensions, made now, do beside experiments.
 
-python scripts/draw_validation.py marin|fronts FILE.png
+python scripts/draw_validation.py marin|fronts|heap FILE.png
 
-``marin`` takes about ten minutes, ``fronts`` about five.
+``marin`` takes about ten minutes, ``fronts`` and ``heap`` about five.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import matplotlib as mpl
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.validation import dam_break, dam_break3d, spheric
+from tests.validation import dam_break, dam_break3d, heap3d, spheric
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
@@ -23,6 +23,7 @@ from matplotlib import pyplot as plt
 # colors of Okabe & Ito, which color-blind readers can tell apart
 COLORS = ("#56b4e9", "#d55e00", "#009e73")
 PANELS = ("h4", "h3", "h2", "h1", "p1", "p2", "p3", "p4")
+HEAP_TIMES = (0.0, 0.1, 0.2, 3.0)  # s
 LARGEST_PRESSURE = 14.0  # kPa, of the panels
 
 
@@ -63,13 +64,30 @@ def draw_fronts(runs: dict[int, dict[int, dam_break.DamBreak]], file: Path) -> N
     figure.savefig(file, dpi=80)
 
 
+def draw_heap(runs: dict[float, heap3d.Heap], file: Path) -> None:
+    """Draw outlines of heaps, by their a, over time, and the run-out of the experiments."""
+    figure, panels = plt.subplots(len(runs), 1, figsize=(8, 7), layout="constrained")
+    for axes, (ratio, run) in zip(panels, runs.items(), strict=True):
+        for color, time in zip(("0.7", *COLORS), HEAP_TIMES, strict=True):
+            x, height = run.outline(time)
+            axes.plot(x / heap3d.LENGTH, height / heap3d.LENGTH, color, lw=1.0, label=f"{time} s")
+        axes.axvline(1.0 + heap3d.lube(ratio), color="k", ls="--", lw=0.8, label="measured end")
+        axes.set_title(f"a = {ratio}", fontsize=9, loc="left", pad=2)
+        axes.set(ylabel="z / L0", xlim=(0.0, 4.5), aspect="equal")
+    panels[0].legend(fontsize=7, loc="upper right")
+    panels[-1].set_xlabel("x / L0")
+    figure.savefig(file, dpi=80)
+
+
 @click.command()
-@click.argument("what", type=click.Choice(["marin", "fronts"]))
+@click.argument("what", type=click.Choice(["marin", "fronts", "heap"]))
 @click.argument("file", type=click.Path(path_type=Path))
 def main(what: str, file: Path) -> None:
     """Draw WHAT into FILE."""
     if what == "marin":
         draw_marin({d0: spheric.run(d0, 6.0) for d0 in spheric.SPACINGS}, file)
+    elif what == "heap":
+        draw_heap({ratio: heap3d.run(ratio) for ratio in (0.5, 1.0, 2.0)}, file)
     else:
         draw_fronts(
             {

@@ -1,11 +1,11 @@
 """Print the figures of the README's tables of accuracy, from runs made now.
 
 python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
-                           [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube]
+                           [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube] [heap]
                            [film3d] [deposit3d] [dams]
 
-``fine_flume`` takes about an hour, ``marin`` half an hour, ``collapse`` and ``flume`` about ten
-minutes, the others five or less each.
+``fine_flume`` takes about an hour, ``marin`` and ``heap`` half an hour, ``collapse`` and ``flume``
+about ten minutes, the others five or less each.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from tests.validation import (
     film3d,
     flume,
     granular_shear,
+    heap3d,
     hydrostatic,
     mixture_cube,
     rough_film,
@@ -353,6 +354,25 @@ def print_cube() -> None:
         )
 
 
+def print_heap() -> None:
+    """Print run-out, rest and shape of heaps of dry grains."""
+    runs: list[tuple[float, float, int]] = [
+        (ratio, heap3d.ANGLE + off, 12) for ratio in (0.5, 1.0, 2.0) for off in (-5.0, 0.0, 5.0)
+    ]
+    for ratio, angle, across in [*runs, (1.0, heap3d.ANGLE, 16), (1.0, heap3d.ANGLE, 20)]:
+        found = heap3d.run(ratio, angle, across)
+        moved, law = found.moved(), heap3d.lube(ratio)
+        click.echo(
+            f"column, a = {ratio}, {angle:.1f} degrees, d0 = L0/{across}: run-out "
+            f"{found.run_out():.2f} L0, {found.run_out() / law - 1.0:+.0%} to {law:.2f} L0, within "
+            f"a spacing from {found.stopped():.2f} s on; moved in the last 2 s {moved.mean():.3f} "
+            f"d0, at most {moved.max():.2f}; height at the wall {found.height():.2f} H, slope "
+            f"{found.slope():.1f} degrees, volume {found.volume() - 1.0:+.1%}, inside "
+            f"{found.loose():.1%} under 0.93 n0, energy {found.energy.max():.4f}, "
+            f"{found.through_wall} through walls"
+        )
+
+
 FILMS = {
     "Bingham, tau0 a quarter of the bed stress": (film3d.bingham(0.25), (10, 20, 30)),
     "Bingham, half": (film3d.bingham(0.5), (10, 20)),
@@ -368,7 +388,8 @@ def print_film3d() -> None:
             found = film3d.run(slurry, rows)
             click.echo(
                 f"film, {title}, {rows} rows: rms {found.rms:.1%}, greatest "
-                f"{np.abs(found.error).max():.1%} of the exact surface speed {found.surface:.3f} m/s"
+                f"{np.abs(found.error).max():.1%} of the exact speed of the plug, "
+                f"{found.surface:.3f} m/s"
             )
     moved = film3d.displacement(1.3)
     click.echo(
@@ -391,8 +412,8 @@ def print_deposit3d() -> None:
             ]
             click.echo(f"deposit, d0 = {spacing} m, {title}: {'; '.join(errors)}")
         click.echo(
-            f"deposit, d0 = {spacing} m: front crept {found.crept / spacing:.2f} d0 in the last 0.4 s, "
-            f"fastest particle {found.speed:.4f} m/s"
+            f"deposit, d0 = {spacing} m: front crept {found.crept / spacing:.2f} d0 in the last "
+            f"0.4 s, fastest particle {found.speed:.4f} m/s"
         )
 
 
@@ -410,8 +431,8 @@ def print_dams() -> None:
                 f"{found.trapped} trapped, {found.passed} passed, of those {found.left} left and "
                 f"{found.below} below, {found.through_wall} through walls; most trapped "
                 f"{1e6 * found.most_trapped:.0f} cm3, peak force {found.peak_force:.2f} N, moment "
-                f"{found.peak_moment:.3f} N m, impulse {found.impulse:.3f} N s, first behind the dam "
-                f"at {found.overtopped:.3f} s"
+                f"{found.peak_moment:.3f} N m, impulse {found.impulse:.3f} N s, first behind the "
+                f"dam at {found.overtopped:.3f} s"
             )
 
 
@@ -430,6 +451,7 @@ PARTS: dict[str, Callable[[], None]] = {
     "dam_break3d": print_dam_break3d,
     "marin": print_marin,
     "cube": print_cube,
+    "heap": print_heap,
     "film3d": print_film3d,
     "deposit3d": print_deposit3d,
     "dams": print_dams,

@@ -130,12 +130,12 @@ def numbers_of(lattice, **changes):
 
 
 def fluid_of(position, **known):
-    """Return fluid particles at rest; what is not known of them is 0.
+    """Return fluid particles at rest, all of density rho0; what is not known of them is 0.
 
     The total pressure is ``pressure`` and ``grain_pressure``, if they are known.
     """
     fields = {name: np.zeros(len(position)) for name in pairs.Fluid._fields}
-    fields |= {"position": position, "velocity": np.zeros_like(position)}
+    fields |= {"position": position, "velocity": np.zeros_like(position), "density": None}
     grains = known.pop("grain_pressure", 0.0)
     fields["total_pressure"] = known.get("pressure", fields["pressure"]) + grains
     return pairs.Fluid(**(fields | known))
@@ -147,7 +147,8 @@ def solid_of(position, normal=(0.0, 0.0, 1.0), depth=0.0, slip=0.0, layers=1.0, 
     normals = np.array(np.broadcast_to(normal, (count, 3)), dtype=float)
     depths, slips, layers = (np.full(count, 1.0) * value for value in (depth, slip, layers))
     looked_for = np.where(layers == 1.0, np.inf, -np.inf)  # contacts, at any height
-    return pairs.Solid(position, normals, depths, slips, looked_for, np.full(count, on_mesh))
+    on_meshes, driving = np.full(count, on_mesh), np.zeros((count, 3))
+    return pairs.Solid(position, normals, depths, slips, looked_for, on_meshes, driving)
 
 
 def near_of(fluid, solid, lattice, period=NOWHERE):

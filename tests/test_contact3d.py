@@ -86,19 +86,27 @@ def test_the_study_and_the_algebraic_law_stir_a_shear(is_algebraic):
     fluid, temperature = sheared(0.5), np.empty(9**3)
     near = near_of(fluid, NO_WALLS, LATTICE)
     grains = GRAINS._replace(diameter=0.01)
-    agitation.stir(is_algebraic, fluid, NO_WALLS, near, 0.1, grains, NUMBERS, temperature)
+    if is_algebraic:
+        rate = np.empty(9**3)
+        agitation.shear_rates(fluid, NO_WALLS, near, NUMBERS, rate)
+        np.testing.assert_allclose(rate, 0.5, rtol=1e-12)
+        agitation.algebraic_temperatures(rate, grains, temperature)
+    else:
+        c = np.full(9**3, 0.1)
+        agitation.neighborhood_temperatures(fluid, near, c, grains, NUMBERS, temperature)
     expected = algebraic_temperature(0.5, grains) if is_algebraic else variance(fluid)
     # at the surface too the shear of a linear profile is exact
     rows = slice(None) if is_algebraic else MIDDLE
     np.testing.assert_allclose(temperature[rows], expected, rtol=1e-12)
 
 
-def collided_grains(c, temperature, n, grains=GRAINS, viscosity=0.02):
-    """Return pressure, Pa, and kinematic viscosity, m2/s, for number densities over n0."""
-    n = np.asarray(n, dtype=float) * LATTICE.number_density
-    pressure, total = np.empty((2, n.size))
-    temperatures = np.full(n.size, temperature)
-    agitation.collide_grains(c, viscosity, grains, NUMBERS, n, temperatures, pressure, total)
+def collided_grains(c, temperature, n, grains=GRAINS, viscosity=20.0):
+    """Return pressure, Pa, and viscosity, Pa s, on top of another, for densities over n0."""
+    n0 = LATTICE.number_density
+    n = np.asarray(n, dtype=float) * n0
+    pressure, total = np.empty(n.size), np.full(n.size, viscosity)
+    c, temperatures = np.full(n.size, c), np.full(n.size, temperature)
+    agitation.collide_grains(c, grains, n0, n, temperatures, pressure, total)
     return pressure, total
 
 
@@ -107,7 +115,7 @@ def test_colliding_grains_have_the_stress_of_equation_10():
     pressure, viscosity = collided_grains(c, 0.09, [1.0])
     assert pressure[0] == pytest.approx(2.0 * 2650.0 * c**2 * 2.0 * 1.7 * 0.09, rel=1e-13)
     collisions = 0.8 * c**2 * 0.3 * 2650.0 * 2.0 * 1.7 * 0.3 / np.sqrt(np.pi)
-    assert viscosity[0] == pytest.approx(0.02 + collisions / 1000.0, rel=1e-13)
+    assert viscosity[0] == pytest.approx(20.0 + collisions, rel=1e-13)
 
 
 def test_the_pressure_of_grains_fades_towards_a_free_surface_and_their_viscosity_does_not():
@@ -122,13 +130,23 @@ def test_plane_shear_has_the_stress_ratio_of_kinetic_theory(restitution):
     for c, rate in ((0.1, 3.0), (0.5, 200.0)):
         temperature = algebraic_temperature(rate, grains)
         pressure, viscosity = collided_grains(c, temperature, [1.0], grains, viscosity=0.0)
-        ratio = 1000.0 * viscosity[0] * rate / pressure[0]
+        ratio = viscosity[0] * rate / pressure[0]
         assert ratio == pytest.approx(0.4 * np.sqrt(15 * (1 - restitution) / np.pi), rel=1e-13)
 
 
-def after_collision(position, velocity, restitution):
+def test_each_particle_collides_at_its_own_concentration_and_agitation():
+    c, temperature, n0 = np.array([0.1, 0.4]), np.array([0.2, 0.05]), LATTICE.number_density
+    pressure, viscosity = np.empty(2), np.zeros(2)
+    full = np.full(2, n0)
+    agitation.collide_grains(c, GRAINS, n0, full, temperature, pressure, viscosity)
+    for i in range(2):
+        alone = collided_grains(c[i], temperature[i], [1.0], viscosity=0.0)
+        assert (pressure[i], viscosity[i]) == (alone[0][0], alone[1][0])
+
+
+def after_collision(position, velocity, restitution, density=None):
     """Return the velocities of particles after their collisions alone."""
-    fluid = fluid_of(np.array(position), velocity=np.array(velocity))
+    fluid = fluid_of(np.array(position), velocity=np.array(velocity), density=density)
     near, numbers = near_of(fluid, NO_WALLS, LATTICE), NUMBERS._replace(restitution=restitution)
     hits = [
         compressible.acceleration_at(i, fluid, NO_WALLS, near, numbers)[3:6]
@@ -137,21 +155,26 @@ def after_collision(position, velocity, restitution):
     return fluid.velocity + hits
 
 
+@pytest.mark.parametrize("density", [None, (1000.0, 1000.0), (1000.0, 250.0)])
 @pytest.mark.parametrize("restitution", [0.0, 0.2, 1.0])
-def test_two_particles_part_with_their_restitution(restitution):
+def test_two_particles_part_with_their_restitution(restitution, density):
+    density = None if density is None else np.array(density)
+    mass = np.ones((2, 1)) if density is None else density[:, None] / 1000.0
     position = np.array([[0.0, 0.0, 0.0], [0.2, 0.3, 0.6]])  # 0.7 apart
     velocity = np.array([[1.0, 2.0, -1.0], [-1.0, 0.5, -2.0]])
-    after = after_collision(position, velocity, restitution)
+    after = after_collision(position, velocity, restitution, density)
     normal = position[1] / 0.7
     approach = (velocity[0] - velocity[1]) @ normal
     assert approach > 0.0
     assert (after[1] - after[0]) @ normal == pytest.approx(restitution * approach, abs=1e-14)
-    np.testing.assert_allclose(after.sum(axis=0), velocity.sum(axis=0), atol=1e-15)
+    np.testing.assert_allclose(
+        (mass * after).sum(axis=0), (mass * velocity).sum(axis=0), atol=1e-15
+    )
     change = after - velocity
     np.testing.assert_allclose(np.cross(change, normal), 0.0, atol=1e-15)
     # those that part, or are farther than the distance, do not collide
-    assert np.array_equal(after_collision(position, -velocity, restitution), -velocity)
-    assert np.array_equal(after_collision(1.15 * position, velocity, restitution), velocity)
+    for free in ((position, -velocity), (1.15 * position, velocity)):
+        assert np.array_equal(after_collision(*free, restitution, density), free[1])
 
 
 def bounced(height, velocity, normal=(0.0, 0.0, 1.0), aside=(0.0, 0.0), layers=1.0):
@@ -221,7 +244,7 @@ def test_whatever_bounces_has_been_found_in_contact(rng, distance):
     # a step looks for bounces of those only whose sum of forces has met a wall that near
     box = {"type": "box", "name": "box", "x": [0.3, 0.5], "y": [0.2, 0.4], "z": [0.0, 0.3]}
     numbers = {"sound_speed": 20.0, "collision_distance": distance}
-    scheme, state = started(tank3d_case(obstacle=[box], fill=[], scheme=numbers))
+    scheme, state = started(tank3d_case(obstacle=[box], scheme=numbers))
     scheme._set_walls(state)
     solid, lattice, numbers = scheme._solid, scheme.lattice, scheme._numbers
     anywhere = rng.uniform(-0.02, [0.82, 0.62, 0.4], (4000, 3))
@@ -246,7 +269,7 @@ def test_particles_at_one_place_have_no_direction_and_no_end(rng):
         velocity=rng.normal(size=(100, 3)),
         compression=rng.uniform(0.0, 0.02, 100),
         pressure=rng.uniform(0.0, 1e3, 100),
-        viscosity=np.full(100, 1e-6),
+        viscosity=np.full(100, 1e-3),
     )
     solid = solid_of(np.concatenate([position[7:8], position[20:25] + 0.1]), depth=0.5)
     near = near_of(fluid, solid, LATTICE)
@@ -280,12 +303,15 @@ def test_the_survey_finds_the_fastest_and_who_is_outside(rng, count):
     position, velocity = rng.uniform(-1.0, 1.0, (2, count, 3))
     fastest, outside = np.empty(16), np.empty(16, dtype=np.int64)
     lower, upper = np.array([-0.9, -2.0, -2.0]), np.array([2.0, 2.0, 0.9])
-    compressible.survey_motion(position, velocity, lower, upper, fastest, outside)
+    mouth = np.array([0.5, -0.3, 0.6])
+    compressible.survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
     square = np.sum(velocity**2, axis=1)
     assert fastest.max() == pytest.approx(square.max(initial=0.0), rel=1e-15)
     # a particle in a corner counts for each bound that it passed
-    assert outside.sum() == np.sum(position[:, 0] < -0.9) + np.sum(position[:, 2] > 0.9)
+    x, y, z = position.T
+    beside = (x < 0.5) & ((y < -0.3) | (y > 0.6))
+    assert outside.sum() == np.sum(x < -0.9) + np.sum(z > 0.9) + np.sum(beside)
     if count:
         velocity[count // 2, 1] = np.nan
-        compressible.survey_motion(position, velocity, lower, upper, fastest, outside)
+        compressible.survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
         assert fastest.max() == np.inf

@@ -292,7 +292,7 @@ def test_the_time_step_obeys_colliding_grains():
     viscosity = 0.8 * D0 / 3.0 * shared * np.sqrt(temperature.max() / np.pi) / density
     found = scheme.stable_dt(state)
     assert found <= 0.2 * D0**2 / viscosity * (1.0 + 1e-12)
-    most = np.max(scheme._grain_pressure) / density * (2.0 + g0 / 3.0)
+    most = np.max(state.particles.collision_pressure[rows]) / density * (2.0 + g0 / 3.0)
     assert most > 0.0
     assert found <= 0.2 * D0 / np.sqrt(most) * (1.0 + 1e-12)
     assert found < 0.1 * quiet

@@ -43,6 +43,41 @@ def test_the_mass_above_a_settled_particle_is_what_it_was():
         assert mass == pytest.approx(0.5 - before[row, 2], rel=1e-6)
 
 
+def layers():
+    """Return a case, its particles on the lattice and before: water on a mixture, 0.3 m each."""
+    block = {"type": "block", "x": [0.0, 0.8], "y": [0.0, 0.6]}
+    fill = [
+        block | {"z": [0.0, 0.3], "material": "mixture"},
+        block | {"z": [0.3, 0.6], "material": "water"},
+    ]
+    return started(fill=fill, mixture={"concentration": 0.4})
+
+
+def test_each_layer_of_a_column_weighs_as_its_matter():
+    case, particles, before = layers()
+    hydrostatic.compress(particles, case)
+    z, heavy = before[:, 2], 1000.0 + 0.4 * 1650.0
+    np.testing.assert_allclose(particles.density[particles.fluid], np.where(z < 0.3, heavy, 1e3))
+    load = G * np.where(z < 0.3, heavy * (0.3 - z) + 1000.0 * 0.3, 1000.0 * (0.6 - z))
+    # one stiffness for both, that of the heavier matter
+    pressure = heavy * C**2 * particles.compression[particles.fluid]
+    np.testing.assert_allclose(pressure, load, rtol=1e-12)
+
+
+def test_each_layer_of_a_column_sinks_by_the_compression_below_it():
+    case, particles, before = layers()
+    hydrostatic.compress(particles, case)
+    heavy = 1660.0
+    z = np.unique(before[:, 2])
+    for height in z:
+        fine = np.linspace(0.0, height, 6001)
+        load = np.where(fine < 0.3, heavy * (0.3 - fine) + 300.0, 1000.0 * (0.6 - fine))
+        expected = np.trapezoid(1.0 / (1.0 + G * load / (heavy * C**2)), fine)
+        found = particles.position[particles.fluid, 2][before[:, 2] == height]
+        # the rule of trapezoids, whose error is of the order of the squared step
+        np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
 def test_a_hanging_block_is_left_as_it_is():
     case, particles, before = started(z=[0.3, 0.6])
     hydrostatic.compress(particles, case)

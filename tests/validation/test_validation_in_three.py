@@ -1,13 +1,13 @@
-"""Is the physics of the explicit scheme right: still water, experiments, a cube of mixture.
+"""Is the physics of the explicit scheme right: still water, experiments, a cube of mixture, a heap.
 
-The coarse runs only; finer ones and their figures: scripts/validate.py still3d dam_break3d marin.
+The coarse runs only; finer ones: scripts/validate.py still3d dam_break3d marin cube heap.
 """
 
 from __future__ import annotations
 
 import pytest
 
-from tests.validation import dam_break, dam_break3d, mixture_cube, spheric, still3d
+from tests.validation import dam_break, dam_break3d, heap3d, mixture_cube, spheric, still3d
 
 
 @pytest.mark.parametrize(
@@ -88,3 +88,24 @@ def test_water_levels_before_and_in_front_of_a_box_are_those_measured(marin, gau
 def test_a_dam_break_against_a_box_loses_nothing(marin):
     assert marin.through_wall == 0
     assert marin.energy < 1.005
+
+
+@pytest.fixture(scope="module")
+def heap() -> heap3d.Heap:
+    return heap3d.run(across=10)
+
+
+def test_a_column_of_dry_grains_comes_to_rest(heap):
+    assert heap.stopped() < 0.5
+    assert heap.moved().mean() < 0.1
+
+
+def test_a_column_of_dry_grains_spreads_as_far_as_measured(heap):
+    assert heap.run_out() == pytest.approx(heap3d.lube(1.0), rel=0.15)
+
+
+def test_a_heap_keeps_volume_particles_and_energy(heap):
+    assert heap.volume() == pytest.approx(1.0, abs=0.03)
+    assert heap.loose() < 0.01
+    assert heap.energy.max() < 1.005
+    assert heap.through_wall == 0
