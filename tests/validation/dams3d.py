@@ -74,7 +74,7 @@ def backwater(rows: int = 10, end: float = 2.0) -> float:
     return mean_force(probes["force_on_dam"], 0.5 * end) / expected
 
 
-def jet(rows: int = 5, end: float = 2.0, speed: float = 1.0) -> float:
+def jet(rows: int = 5, end: float = 1.6, speed: float = 1.0) -> float:
     """Return the mean force of a jet, turned upwards, over ``rho Q u``, in the second half.
 
     A jet a = 0.05 m thick and 4 spacings wide on a smooth floor without gravity; a smooth box
