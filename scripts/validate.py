@@ -2,6 +2,7 @@
 
 python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
                            [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube] [heap]
+                           [film3d] [deposit3d] [dams]
 
 ``fine_flume`` takes about an hour, ``marin`` and ``heap`` half an hour, ``collapse`` and ``flume``
 about ten minutes, the others five or less each.
@@ -24,7 +25,10 @@ from tests.validation import (
     controls,
     dam_break,
     dam_break3d,
+    dams3d,
+    deposit3d,
     endless_bed,
+    film3d,
     flume,
     granular_shear,
     heap3d,
@@ -372,6 +376,68 @@ def print_heap() -> None:
         )
 
 
+FILMS = {
+    "Bingham, tau0 a quarter of the bed stress": (film3d.bingham(0.25), (10, 20, 30)),
+    "Bingham, half": (film3d.bingham(0.5), (10, 20)),
+    "Herschel-Bulkley, n = 0.5, a quarter": (film3d.herschel_bulkley(0.25), (10, 20)),
+}
+
+
+def print_film3d() -> None:
+    """Print the errors of films of slurry, and how far one below yield moves."""
+    for title, (slurry, row_counts) in FILMS.items():
+        for rows in row_counts:
+            found = film3d.run(slurry, rows)
+            click.echo(
+                f"film, {title}, {rows} rows: rms {found.rms:.1%}, greatest "
+                f"{np.abs(found.error).max():.1%} of the exact speed of the plug, "
+                f"{found.surface:.3f} m/s"
+            )
+    moved = film3d.displacement(1.3)
+    click.echo(
+        f"film, tau0 1.3 times the bed stress: moved in 2 s {moved.mean():.4f} d0, at most "
+        f"{moved.max():.4f}"
+    )
+
+
+def print_deposit3d() -> None:
+    """Print how far the deposit of a block of slurry is from the closed forms."""
+    for spacing in (0.01, 0.005):
+        found = deposit3d.run(spacing)
+        for title, step in (("shallow limit", 0.0), ("next order", deposit3d.STEP)):
+            fronts = {
+                "x_f by volume": deposit3d.front_by_volume(step),
+                "x_f fitted": found.fitted_front(step),
+            }
+            errors = [
+                f"{name} {x:.3f} m, rms {found.error(x, step):.1%}" for name, x in fronts.items()
+            ]
+            click.echo(f"deposit, d0 = {spacing} m, {title}: {'; '.join(errors)}")
+        click.echo(
+            f"deposit, d0 = {spacing} m: front crept {found.crept / spacing:.2f} d0 in the last "
+            f"0.4 s, fastest particle {found.speed:.4f} m/s"
+        )
+
+
+def print_dams() -> None:
+    """Print forces on dams, and what closed and slit dams hold back in the flume of B3."""
+    for rows in (10, 20):
+        click.echo(f"backwater, {rows} rows: force {dams3d.backwater(rows):.3f} of the closed form")
+    for rows in (5, 8):
+        click.echo(f"jet, {rows} rows: force {dams3d.jet(rows):.3f} of rho Q u")
+    for spacing in (0.01, 0.005):
+        for slit in (False, True):
+            found = dams3d.check_dam(slit, {"particles": {"spacing": spacing}})
+            click.echo(
+                f"{'slit' if slit else 'closed'} dam, d0 = {spacing} m: {found.entered} entered, "
+                f"{found.trapped} trapped, {found.passed} passed, of those {found.left} left and "
+                f"{found.below} below, {found.through_wall} through walls; most trapped "
+                f"{1e6 * found.most_trapped:.0f} cm3, peak force {found.peak_force:.2f} N, moment "
+                f"{found.peak_moment:.3f} N m, impulse {found.impulse:.3f} N s, first behind the "
+                f"dam at {found.overtopped:.3f} s"
+            )
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "still": print_still,
     "viscous": print_viscous,
@@ -388,6 +454,9 @@ PARTS: dict[str, Callable[[], None]] = {
     "marin": print_marin,
     "cube": print_cube,
     "heap": print_heap,
+    "film3d": print_film3d,
+    "deposit3d": print_deposit3d,
+    "dams": print_dams,
 }
 
 

@@ -1,0 +1,70 @@
+"""Slurries that yield, and dams, in three dimensions: against closed forms and budgets.
+
+The coarse runs only; finer ones and their figures: scripts/validate.py film3d deposit3d dams.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.validation import dams3d, deposit3d, film3d
+
+COARSE = {"particles": {"spacing": 0.01}}
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5])
+def test_a_film_of_bingham_slurry_has_the_profile_of_the_closed_form(share):
+    assert film3d.run(film3d.bingham(share), rows=10, end=1.0).rms < 0.03
+
+
+def test_a_film_of_herschel_bulkley_slurry_has_the_profile_of_the_closed_form():
+    assert film3d.run(film3d.herschel_bulkley(0.25), rows=10, end=1.0).rms < 0.03
+
+
+def test_a_film_below_yield_holds():
+    assert film3d.displacement(1.3).max() < 0.1
+
+
+def test_a_block_of_slurry_stops_in_the_shape_of_the_closed_form():
+    """The closed form is that to second order; the shallow limit is missed by 12 to 13 %.
+
+    It leaves out the yield stress along the layer: here it is 6 % lower at x = 0 than the second
+    order and ends 13 % farther.
+    """
+    found = deposit3d.run(0.01, end=2.0)
+    assert found.crept < 0.001
+    front = deposit3d.front_by_volume(deposit3d.STEP)
+    assert found.error(front, deposit3d.STEP) < 0.10
+    assert found.error(found.fitted_front(deposit3d.STEP), deposit3d.STEP) < 0.10
+
+
+def test_still_water_presses_on_a_dam_by_its_depth():
+    assert dams3d.backwater(end=1.0) == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_dam_takes_the_momentum_of_a_jet():
+    """The force read from the particles is too great: 10 % at five rows of particles, 8 % here.
+
+    No momentum along the floor is left in what leaves, so that the wall itself takes all of it.
+    """
+    assert dams3d.jet(rows=8, end=1.2) == pytest.approx(1.0, abs=0.10)
+
+
+@pytest.fixture(scope="module")
+def dams() -> dict[bool, dams3d.CheckDam]:
+    return {slit: dams3d.check_dam(slit, COARSE) for slit in (False, True)}
+
+
+@pytest.mark.parametrize("slit", [False, True])
+def test_a_dam_loses_no_particle(dams, slit):
+    found = dams[slit]
+    assert found.through_wall == 0
+    assert found.entered == found.trapped + found.passed
+    assert found.passed == found.below + found.left
+
+
+def test_a_slit_lets_more_through_and_sooner(dams):
+    closed, slit = dams[False], dams[True]
+    assert slit.passed > closed.passed
+    assert slit.overtopped < closed.overtopped
+    assert slit.most_trapped < closed.most_trapped
