@@ -82,10 +82,11 @@ def test_a_slurry_stays_below_its_yield_stress_and_runs_above():
         if share > 1.0:
             assert np.abs(way[:, 0]).mean() < 0.01 * D0
         else:
-            # half of the stress is left to what is not sheared, at a uniform 0.5 g sin(a)
-            assert way[:, 0].mean() == pytest.approx(
-                0.25 * G * np.sin(np.radians(10.0)) * 0.04, rel=0.2
-            )
+            # half of the stress is left to what is not sheared, at a uniform 0.5 g sin(a); the
+            # floor holds by up to half more than the yield stress, as the shear beside it is
+            # steeper than that around the lowest row
+            expected = 0.25 * G * np.sin(np.radians(10.0)) * 0.2**2
+            assert 0.5 * expected < way[:, 0].mean() < 1.02 * expected
 
 
 @pytest.mark.parametrize("slope", [34.0, 38.0])
