@@ -66,15 +66,19 @@ def draw_fronts(runs: dict[int, dict[int, dam_break.DamBreak]], file: Path) -> N
 
 def draw_heap(runs: dict[float, heap3d.Heap], file: Path) -> None:
     """Draw outlines of heaps, by their a, over time, and the run-out of the experiments."""
-    figure, panels = plt.subplots(len(runs), 1, figsize=(8, 7), layout="constrained")
+    shares = {"height_ratios": [ratio + 0.2 for ratio in runs]}
+    figure, panels = plt.subplots(
+        len(runs), 1, figsize=(8, 8.5), gridspec_kw=shares, layout="constrained"
+    )
     for axes, (ratio, run) in zip(panels, runs.items(), strict=True):
         for color, (label, time) in zip(("0.7", *COLORS), HEAP_TIMES.items(), strict=True):
             x, height = run.outline(time)
-            axes.plot(x / heap3d.LENGTH, height / heap3d.LENGTH, color, lw=1.0, label=label)
+            x, height = x[height > 0.0] / heap3d.LENGTH, height[height > 0.0] / heap3d.LENGTH
+            axes.plot(x, height, color, lw=1.0, label=label)
         axes.axvline(1.0 + heap3d.lube(ratio), color="k", ls="--", lw=0.8, label="measured end")
         axes.set_title(f"a = {ratio}", fontsize=9, loc="left", pad=2)
-        axes.set(ylabel="z / L0", xlim=(0.0, 4.5), aspect="equal")
-    panels[0].legend(fontsize=7, loc="upper right")
+        axes.set(ylabel="z / L0", xlim=(0.0, 4.5), ylim=(0.0, ratio + 0.1), aspect="equal")
+    panels[-1].legend(fontsize=8, loc="upper right")
     panels[-1].set_xlabel("x / L0")
     figure.savefig(file, dpi=80)
 
