@@ -4,9 +4,8 @@ A mixture 0.1 m deep on a slope of 10 degrees, in a channel that repeats along x
 sides.  The stress falls linearly from ``rho g h sin(slope)`` at the bed to nothing at the surface,
 and where it is less than the yield stress, above y0, the film moves as a plug.
 
-The films are too fast, by what is gained next to y0: there the shear rate of a particle, a mean over
-its neighbors, does not fall to nothing as sharply as the exact one, so that the error is the greater
-the thinner the layer that yields, in spacings.
+The films are too fast, and what is too much is gained next to y0, where the shear dies out: the
+error is the greater the fewer rows yield, and there still grows slowly after a second.
 """
 
 from __future__ import annotations
