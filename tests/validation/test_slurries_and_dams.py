@@ -23,7 +23,8 @@ def test_a_film_of_slurry_has_the_profile_of_the_closed_form(slurry):
 def test_a_film_with_a_thick_plug_shears_at_its_bed_and_moves_as_one_above():
     """Five rows yield, of which the upper ones shear too fast: the plug is 13 % too fast.
 
-    The 3 % are missed, with ten rows that yield by 6 % rms; with 15 they are just met, 2.98 % at 1.2 s.
+    The 3 % are missed, with ten rows that yield by 6 % rms; with 15 they are just met, 2.98 % rms
+    at 1.2 s.
     """
     found = film3d.run(film3d.bingham(0.5), rows=10, end=1.5)
     assert np.abs(found.error[:3]).max() < 0.03
