@@ -119,9 +119,9 @@ def strength_viscosity(pressure, c, shear_rate, law):
 
 
 @kernel
-def smooth_viscosity(i, matter, law):
-    """Return the viscosity of particle i but for its strength: Newtonian, eddies, consistency."""
-    c, newtonian = matter.concentration[i], matter.viscosity[i] + matter.turbulent_viscosity[i]
+def smooth_viscosity(i, eddies, matter, law):
+    """Return the viscosity of particle i but for its strength, Pa s: Newtonian, eddies, slurry."""
+    c, newtonian = matter.concentration[i], matter.viscosity[i] + eddies
     return newtonian + ramp(c, law) * consistency_viscosity(c, matter.shear_rate[i], law)
 
 
@@ -147,7 +147,8 @@ def exchange_row_at(i, dt, fluid_count, matter, law, walls, stencil, system, rig
     factor = 2.0 * stencil.dimension / (stencil.laplacian_lambda * stencil.number_density)
     velocity, density, c = matter.velocity, matter.density, matter.concentration
     shear_rate, grain_pressure = matter.shear_rate, matter.grain_pressure
-    mu_i = smooth_viscosity(i, matter, law)
+    eddies = matter.turbulent_viscosity
+    mu_i = smooth_viscosity(i, eddies[i], matter, law)
     diagonal = density[i]
     x, y, z = (
         density[i] * velocity[i, 0],
@@ -167,16 +168,17 @@ def exchange_row_at(i, dt, fluid_count, matter, law, walls, stencil, system, rig
                 if k < stencil.unknown_count[i]
                 else grain_pressure[i]
             )
-            mu = mu_i
-            if walls.roughness[j] > 0.0:
-                mu -= matter.turbulent_viscosity[i]
+            is_rough = walls.roughness[j] > 0.0
+            mu = smooth_viscosity(i, 0.0, matter, law) if is_rough else mu_i
             eta = mu + strength_viscosity(p, c[i], shear_rate[i], law)
             mirror = 1.0 + walls.depth[j] / wall_distance(i, k, walls, stencil)
             coupling = dt * factor * w * eta * mirror
         elif j >= fluid_count:
             coupling = dt * factor * w * mu_i
         else:
-            eta = harmonic_mean(mu_i, smooth_viscosity(j, matter, law)) + strength_viscosity(
+            eta = harmonic_mean(
+                mu_i, smooth_viscosity(j, eddies[j], matter, law)
+            ) + strength_viscosity(
                 0.5 * (grain_pressure[i] + grain_pressure[j]),
                 min(c[i], c[j]),
                 0.5 * (shear_rate[i] + shear_rate[j]),
