@@ -31,9 +31,9 @@ LENGTH = 9.0
 @pytest.fixture(autouse=True)
 def compiler(monkeypatch):
     """Let numba-cuda compile without a GPU, and tell it the NumPy functions it does not know."""
-    # numba-cuda can be installed without the toolkit's wheels, which hold the compiler to PTX
     if not nvvm.is_available():
-        pytest.skip("the compiler for CUDA, NVVM, is not installed")
+        # numba-cuda can be installed without the wheels of the toolkit, and then nothing compiles
+        pytest.skip("NVVM, the compiler to PTX, is not installed: numba-cuda without its toolkit")
     device = SimpleNamespace(compute_capability=CAPABILITY)
     monkeypatch.setattr(dispatcher, "get_current_device", lambda: device)
 
