@@ -1,4 +1,4 @@
-"""Tables in time as CSV files that grow by rows: comments, one line of column names, rows."""
+"""Tables in time as CSV files: comments, one line of column names, rows; written and read."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from debrisflow.atomic import replaced
 from debrisflow.errors import OutputError
 
 Row = Sequence[float | int | str]
+Table = dict[str, NDArray[np.float64]]
 
 
 def write_table(
@@ -25,6 +29,35 @@ def write_table(
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows(_printed(row) for row in rows)
+
+
+def read_table(path: Path) -> Table:
+    """Return the columns of a table of numbers, (rows,) float64 arrays by their names.
+
+    A last line without its end is one that is being written, and is left out.
+
+    Raises
+    ------
+    OutputError
+        If the file is missing, or its rows are not numbers or not as long as its head.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        told = "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}"
+        raise OutputError(f"{path} {told}") from error
+    whole = text[: text.rfind("\n") + 1].splitlines()
+    lines = [line for line in whole if line and not line.startswith("#")]
+    if not lines:
+        raise OutputError(f"{path} is damaged: it names no columns")
+    names = lines[0].split(",")
+    if not lines[1:]:
+        return {name: np.empty(0) for name in names}
+    try:
+        rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
+        return dict(zip(names, rows.T.copy(), strict=True))
+    except ValueError as error:
+        raise OutputError(f"{path} is damaged: {error}") from error
 
 
 class Series:
