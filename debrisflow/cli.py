@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +27,33 @@ class Commands(click.Group):
         except KeyboardInterrupt:
             click.echo("interrupted; a run goes on with: debrisflow resume RUN", err=True)
             ctx.exit(INTERRUPTED)
+
+
+class Numbers(click.ParamType[tuple[float, ...]]):
+    """Numbers with commas between them.
+
+    Parameters
+    ----------
+    count : int, optional
+        How many there must be.
+    """
+
+    name = "numbers"
+
+    def __init__(self, count: int | None = None) -> None:
+        self.count = count
+
+    def convert(self, value: Any, *_: object) -> tuple[float, ...]:
+        """Return the numbers of a text."""
+        if isinstance(value, tuple):
+            return value
+        try:
+            numbers = tuple(float(part) for part in value.split(","))
+        except ValueError:
+            self.fail(f"{value} is not a list of numbers with commas between them")
+        if self.count is not None and len(numbers) != self.count:
+            self.fail(f"{value} has {len(numbers)} numbers where {self.count} are needed")
+        return numbers
 
 
 _case = click.argument("case", metavar="CASE", type=_PATH)
@@ -124,15 +150,36 @@ def init(file: Path, template: str) -> None:
 
 @main.command()
 @_results
-def postprocess(folder: Path) -> None:
-    """Derive front, profiles and deposit from the results in the folder RUN."""
-    from debrisflow.postprocess import arrivals, postprocess
+@click.option("--stations", type=Numbers(), default=(), help="x of the profiles, m: X,X,...")
+@click.option("--window", type=Numbers(2), help="Times over which profiles are averaged, s: T0,T1.")
+@click.option("--times", type=Numbers(), default=(), help="Times of the deposit, s: T,T,...")
+@click.option(
+    "--reference",
+    "references",
+    type=_PATH,
+    multiple=True,
+    help="CSV file of curves to compare with; may be repeated.",
+)
+def postprocess(
+    folder: Path,
+    stations: tuple[float, ...],
+    window: tuple[float, float] | None,
+    times: tuple[float, ...],
+    references: tuple[Path, ...],
+) -> None:
+    """Derive tables and plots from the results in the folder RUN, finished or running."""
+    from debrisflow.results import open_run
+    from debrisflow.results.postprocess import postprocess
+    from debrisflow.results.references import read_reference
+    from debrisflow.results.survey import survey
 
-    for path in postprocess(folder):
+    given = [read_reference(path) for path in references]
+    found = survey(open_run(folder), stations, window, times)
+    written, told = postprocess(found, given)
+    for path in written:
         click.echo(f"wrote {path}")
-    for name, time in arrivals(folder).items():
-        told = "nothing has passed" if isnan(time) else f"first passed by t = {time:g} s"
-        click.echo(f"section {name}: {told}")
+    for line in told:
+        click.echo(line)
 
 
 @main.command()

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from debrisflow.case import tables
 from debrisflow.case.materials import pore_density
-from debrisflow.grid import Grid, locate, plan, wrapped
+from debrisflow.grid import Grid, Located, locate, plan, wrapped
 from debrisflow.particles import Kind, Particles
 from debrisflow.state import PHASES
 
@@ -107,9 +107,13 @@ def is_fluid(kind: ArrayLike) -> NDArray[np.bool_]:
 
 
 def fronts(
-    case: tables.Case, position: Floats, velocity: Floats, kind: NDArray[np.integer]
+    case: tables.Case,
+    position: Floats,
+    velocity: Floats,
+    kind: NDArray[np.integer],
+    share: float = FRONT_SHARE,
 ) -> dict[str, float]:
-    """Return how far the flow reaches: the x behind which 99.5 % of its volume lies, m.
+    """Return how far the flow reaches: the x behind which a share of its volume lies, m.
 
     What is faster than ``output.rest_speed`` flows.  Particles count whole, by their centers, so
     that a front is the x of a particle and a flow of fewer than 200 ends at its foremost one.
@@ -119,6 +123,8 @@ def fronts(
     ----------
     position, velocity : (n, 3) array, m, m/s
     kind : (n,) int array
+    share : float
+        99.5 % if left out.
 
     Returns
     -------
@@ -127,14 +133,14 @@ def fronts(
     """
     flowing = is_fluid(kind) & (np.linalg.norm(velocity, axis=1) > case.output.rest_speed)
     x, phase = wrapped(case, position[flowing])[:, 0], np.asarray(kind)[flowing]
-    found = {name: _front(x[phase == number]) for number, name in enumerate(PHASES)}
-    return found | {"all": _front(x)}
+    found = {name: _front(x[phase == number], share) for number, name in enumerate(PHASES)}
+    return found | {"all": _front(x, share)}
 
 
-def _front(x: Floats) -> float:
+def _front(x: Floats, share: float) -> float:
     if x.size == 0:
         return np.nan
-    return float(np.quantile(x, FRONT_SHARE, method="inverted_cdf"))
+    return float(np.quantile(x, share, method="inverted_cdf"))
 
 
 def deposit_profile(
@@ -171,30 +177,63 @@ def deposit_profile(
         n0 of the lattice.
     """
     d0, grid = case.particles.spacing, plan(case)
-    fluid = np.flatnonzero(is_fluid(kind))
-    found, cell, height = locate(case, grid, position[fluid])
-    rows = fluid[found]
-
-    slow = np.linalg.norm(velocity[rows], axis=1) < case.output.rest_speed
-    packed = (kind[rows] == Kind.MIXTURE) | (concentration[rows] >= DEPOSIT_CONCENTRATION)
+    rows, cell, height = above = locate_fluid(case, grid, position, kind)
     dense = number_density[rows] >= LEAST_DENSITY_RATIO * reference_number_density
-    deposited = slow & packed & (height > 0.0)
 
-    deposit = contiguous_height(cell[deposited], height[deposited], grid.x.size, d0)
+    lying = deposited(case, above, velocity, kind, concentration)
+    deposit = _greatest_height(lying.cell, lying.height, grid.x.size, d0)
     top = _greatest_height(cell[dense], height[dense], grid.x.size, d0)
     share = _mean_by_cell(sediment_fraction[rows], cell, height + 0.5 * d0 <= top[cell], grid)
     return DepositProfile(grid.x, grid.y, deposit, top, share)
 
 
-def _greatest_height(cell: NDArray[np.int64], height: Floats, cells: int, d0: float) -> Floats:
-    """Return how high the particles of each cell reach, m; 0 where there are none."""
-    greatest = np.zeros(cells)
-    np.maximum.at(greatest, cell, height + 0.5 * d0)
-    return greatest
+def locate_fluid(
+    case: tables.Case, grid: Grid, position: Floats, kind: NDArray[np.integer]
+) -> Located:
+    """Return the fluid particles above the cells of a grid; rows are those of the arrays."""
+    fluid = np.flatnonzero(is_fluid(kind))
+    found = locate(case, grid, position[fluid])
+    return found._replace(row=fluid[found.row])
 
 
-def contiguous_height(cell: NDArray[np.int64], height: Floats, cells: int, d0: float) -> Floats:
-    """Return the top of the pile in each cell; the floor counts as a particle d0/2 below it."""
+def deposited(
+    case: tables.Case,
+    above: Located,
+    velocity: Floats,
+    kind: NDArray[np.integer],
+    concentration: Floats,
+) -> Located:
+    """Return the particles of the deposit as :func:`deposit_profile` defines it.
+
+    Parameters
+    ----------
+    above : Located
+        The fluid over the cells.
+    velocity : (n, 3) array, m/s
+    kind : (n,) int array
+    concentration : (n,) array
+    """
+    rows, cell, height = above
+    slow = np.linalg.norm(velocity[rows], axis=1) < case.output.rest_speed
+    packed = (kind[rows] == Kind.MIXTURE) | (concentration[rows] >= DEPOSIT_CONCENTRATION)
+    chosen = np.flatnonzero(slow & packed & (height > 0.0))
+    lying = chosen[piled(cell[chosen], height[chosen], case.particles.spacing)]
+    return Located(rows[lying], cell[lying], height[lying])
+
+
+def piled(cell: NDArray[np.int64], height: Floats, d0: float) -> NDArray[np.bool_]:
+    """Return which particles follow each other upward from the floor of their cell.
+
+    From one to the next without a gap of more than 1.5 d0; the floor counts as a particle d0/2
+    below it.
+
+    Parameters
+    ----------
+    cell : (n,) int array
+    height : (n,) array, m
+        Of the centers.
+    d0 : float, m
+    """
     order = np.lexsort((height, cell))
     cell, height = cell[order], height[order]
     is_lowest = np.diff(cell, prepend=-1) > 0
@@ -202,8 +241,16 @@ def contiguous_height(cell: NDArray[np.int64], height: Floats, cells: int, d0: f
     is_gap = height - below > LARGEST_GAP * d0
     gaps: NDArray[np.int64] = np.cumsum(is_gap)
     in_cells_before = (gaps - is_gap)[is_lowest][np.cumsum(is_lowest) - 1]
-    piled = gaps == in_cells_before
-    return _greatest_height(cell[piled], height[piled], cells, d0)
+    found = np.empty(order.size, dtype=bool)
+    found[order] = gaps == in_cells_before
+    return found
+
+
+def _greatest_height(cell: NDArray[np.int64], height: Floats, cells: int, d0: float) -> Floats:
+    """Return how high the particles of each cell reach, m; 0 where there are none."""
+    greatest = np.zeros(cells)
+    np.maximum.at(greatest, cell, height + 0.5 * d0)
+    return greatest
 
 
 def _mean_by_cell(
@@ -300,3 +347,17 @@ def elastic_energy(
     s = np.maximum(compression[fluid], 0.0)
     mass = density[fluid] * particle_volume(case)
     return case.scheme.sound_speed**2 * float(mass @ (s - np.log1p(s)))
+
+
+def wetted_width(y: Floats, d0: float) -> float:
+    """Return the length that particles cover, across gaps of up to 1.5 spacings, m.
+
+    Examples
+    --------
+    >>> wetted_width(np.array([0.25, 2.75, 1.5]), 1.0)
+    3.5
+    >>> wetted_width(np.array([0.5, 5.5]), 1.0)
+    2.0
+    """
+    gaps = np.diff(np.sort(y))
+    return d0 * float(y.size > 0) + float(np.where(gaps <= LARGEST_GAP * d0, gaps, d0).sum())

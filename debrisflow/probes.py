@@ -27,10 +27,10 @@ from debrisflow.errors import CaseError
 from debrisflow.grid import floor_ends
 from debrisflow.lattice import reference
 from debrisflow.measures import (
-    LARGEST_GAP,
     LEAST_DENSITY_RATIO,
-    contiguous_height,
     particle_volume,
+    piled,
+    wetted_width,
 )
 from debrisflow.particles import Kind, Particles
 from debrisflow.series import Series
@@ -128,8 +128,9 @@ class Height:
         inside = np.all((offset >= self._lower) & (offset < self._upper), axis=1) & (level > 0.0)
         inside &= p.number_density[p.fluid] >= self._least_density
         column = np.zeros(int(np.count_nonzero(inside)), dtype=np.int64)
-        height = contiguous_height(column, level[inside], 1, d0)
-        return float(height[0]), float(filled)
+        pile = level[inside][piled(column, level[inside], d0)]
+        height = pile.max() + 0.5 * d0 if pile.size else 0.0
+        return float(height), float(filled)
 
     def _offset(self, position: Floats) -> Floats:
         """Return the horizontal distance from the place, through the nearest image, m."""
@@ -244,7 +245,7 @@ class Section:
         flux = part * p.velocity[rows, 0]
         area, discharge = float(part.sum()), float(flux.sum())
         sediment = float(flux @ p.sediment_fraction[rows])
-        width = 1.0 if self._axes == 2 else _wetted_width(p.position[rows, 1], d0)
+        width = 1.0 if self._axes == 2 else wetted_width(p.position[rows, 1], d0)
         crossed = (state.crossed[self._number], state.crossed_sediment[self._number])
         volumes = [self._volume * float(passed.sum()) for passed in crossed]
         return (
@@ -375,17 +376,3 @@ def _pressure_on(faces: Faces, case: tables.Case, state: State) -> Floats:
         # part of the whole
         pressure = pressure + p.collision_pressure[rows]
     return face_pressure(faces, case, p.position[rows], pressure, p.density[rows])
-
-
-def _wetted_width(y: Floats, d0: float) -> float:
-    """Return the length that particles cover, across gaps of up to 1.5 spacings, m.
-
-    Examples
-    --------
-    >>> _wetted_width(np.array([0.25, 2.75, 1.5]), 1.0)
-    3.5
-    >>> _wetted_width(np.array([0.5, 5.5]), 1.0)
-    2.0
-    """
-    gaps = np.diff(np.sort(y))
-    return d0 * float(y.size > 0) + float(np.where(gaps <= LARGEST_GAP * d0, gaps, d0).sum())

@@ -57,10 +57,6 @@ class Frame(NamedTuple):
         speed: Floats = np.linalg.norm(self.velocity, axis=1)
         return speed
 
-    def of(self, rows: NDArray[np.bool_]) -> Frame:
-        """Return some of the particles."""
-        return Frame(self.time, *(values[rows] for values in self[1:]))
-
 
 def read_frame(time: float, file: Path) -> Frame:
     """Return the particles of a file.

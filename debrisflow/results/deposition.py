@@ -1,0 +1,168 @@
+"""What lies where: heights and volumes of deposit and flow, erosion and deposition."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import tables
+from debrisflow.case.shapes import ChannelShape
+from debrisflow.grid import FLOOR_WORDS, PLACE, PLACE_WORDS, Grid, floor_level, plan
+from debrisflow.lattice import reference
+from debrisflow.measures import deposit_profile, deposited, locate_fluid, particle_volume
+from debrisflow.results.frames import Frame
+from debrisflow.series import Table
+
+Floats = NDArray[np.float64]
+COLUMNS = (
+    "floor_level",
+    "initial_bed",
+    "deposit_height",
+    "bed_change",
+    "flow_height",
+    "concentration",
+    "deposit_depth",
+    "sediment_depth",
+    "water_depth",
+)
+HEAD = (
+    "the deposit at chosen times",
+    "time: s",
+    "{place}",
+    "floor_level: m, of {floor}",
+    "initial_bed: m, of the bed (a fill of type bed) above it, before the flow",
+    "deposit_height, flow_height: m above it along its normal; concentration: volume share of",
+    "  sediment up to flow_height; all as in deposit.csv, where their definitions stand",
+    "bed_change: m, deposit_height - initial_bed: deposition, or erosion where it is negative",
+    "deposit_depth: m, volume of the particles that make up the deposit over the area of the cell",
+    "sediment_depth, water_depth: m, volume of all grains and of all water over that area,",
+    "  deposited or not",
+)
+LEAST_STEEP_CELLS = 3
+
+
+class Deposition(NamedTuple):
+    """Deposit and flow over the cells of :func:`debrisflow.grid.plan` at a time.
+
+    Attributes
+    ----------
+    time : float, s
+    grid : Grid
+    table : Table
+        ``COLUMNS``, an array each, over the cells.
+    """
+
+    time: float
+    grid: Grid
+    table: Table
+
+    @property
+    def area(self) -> float:
+        """Return the area on which there is a deposit, m2; m of length in two dimensions."""
+        return float(self.grid.area[self.table["deposit_height"] > 0.0].sum())
+
+    @property
+    def volume(self) -> float:
+        """Return the volume of the particles of the deposit, pores included, m3 or m2."""
+        return float(self.table["deposit_depth"] @ self.grid.area)
+
+    @property
+    def deposition(self) -> float:
+        """Return the volume between deposit and initial bed where the deposit is higher."""
+        return float(np.maximum(self.table["bed_change"], 0.0) @ self.grid.area)
+
+    @property
+    def erosion(self) -> float:
+        """Return the volume between initial bed and deposit where the deposit is lower."""
+        return float(np.maximum(-self.table["bed_change"], 0.0) @ self.grid.area)
+
+    def gradient(self, fall: float) -> float:
+        """Return by how much the surface of the deposit falls along x, degrees.
+
+        Of the straight line, in three dimensions the plane, that is nearest to the tops of the
+        cells with a deposit; nan where there are fewer than three.
+
+        Parameters
+        ----------
+        fall : float, rad
+            By which the x axis falls below the horizontal.
+        """
+        here = self.table["deposit_height"] > 0.0
+        if np.count_nonzero(here) < LEAST_STEEP_CELLS:
+            return float("nan")
+        x, y = self.grid.x[here], self.grid.y[here]
+        top = (self.table["floor_level"] + self.table["deposit_height"])[here]
+        terms = np.column_stack([x, y, np.ones(x.size)])
+        slope = np.linalg.lstsq(terms, top, rcond=None)[0][0]
+        return float(np.degrees(fall - np.arctan(slope)))
+
+
+def deposition(case: tables.Case, frame: Frame) -> Deposition:
+    """Return deposit and flow of a frame over the cells of its case."""
+    grid = plan(case)
+    lattice = reference(case.dimension, case.particles.effective_radius, case.particles.spacing)
+    profile = deposit_profile(
+        case,
+        frame.position,
+        frame.velocity,
+        frame.kind,
+        frame.concentration,
+        frame.sediment_fraction,
+        frame.number_density,
+        reference_number_density=lattice.number_density,
+    )
+    above = locate_fluid(case, grid, frame.position, frame.kind)
+    lying = deposited(case, above, frame.velocity, frame.kind, frame.concentration)
+    depth = particle_volume(case) / grid.area
+    sediment = np.bincount(above.cell, frame.sediment_fraction[above.row], grid.x.size) * depth
+    everything = np.bincount(above.cell, minlength=grid.x.size) * depth
+    bed = initial_bed(case, grid)
+    columns = (
+        floor_level(case, grid),
+        bed,
+        profile.deposit_height,
+        profile.deposit_height - bed,
+        profile.flow_height,
+        profile.concentration,
+        np.bincount(lying.cell, minlength=grid.x.size) * depth,
+        sediment,
+        everything - sediment,
+    )
+    return Deposition(frame.time, grid, dict(zip(COLUMNS, columns, strict=True)))
+
+
+def initial_bed(case: tables.Case, grid: Grid) -> Floats:
+    """Return how high the bed stands over the fixed floor of each cell before the flow, m."""
+    shape, bed = case.geometry, np.zeros(grid.x.size)
+    if isinstance(shape, ChannelShape) and any(fill.type == "bed" for fill in case.fill):
+        assert shape.bed_start is not None
+        assert shape.bed_end is not None
+        bed[(grid.x >= shape.bed_start) & (grid.x < shape.bed_end)] = shape.bed_thickness
+    return bed
+
+
+def deposit_columns(dimension: int) -> tuple[str, ...]:
+    """Return the columns of ``deposit_profile.csv``."""
+    return ("time", *PLACE[dimension], *COLUMNS)
+
+
+def deposit_table(case: tables.Case, found: list[Deposition]) -> Table:
+    """Return deposits at several times as one table."""
+    parts = [
+        [
+            np.full(one.grid.x.size, one.time),
+            *(getattr(one.grid, axis) for axis in PLACE[case.dimension]),
+            *one.table.values(),
+        ]
+        for one in found
+    ]
+    columns = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return dict(zip(deposit_columns(case.dimension), columns, strict=True))
+
+
+def deposit_head(dimension: int) -> list[str]:
+    """Return what the columns of ``deposit_profile.csv`` mean."""
+    words = {"place": PLACE_WORDS[dimension], "floor": FLOOR_WORDS[dimension]}
+    return [line.format(**words) for line in HEAD]

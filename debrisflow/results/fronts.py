@@ -1,0 +1,151 @@
+"""How far the flow reaches in time, when it arrives, and how mobile it was."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import tables
+from debrisflow.geometry import floor_level, inflow_section
+from debrisflow.measures import FRONT_SHARE, fronts, gravity_vector
+from debrisflow.results.frames import Frame
+from debrisflow.results.run import Run
+from debrisflow.series import Row, Table
+from debrisflow.state import PHASES
+
+Floats = NDArray[np.float64]
+OUTER_SHARE = 0.999
+NAMES = (*PHASES, "all")
+COLUMNS = (
+    "time",
+    *(f"front_{name}" for name in NAMES),
+    *(f"outer_front_{name}" for name in NAMES),
+    *(f"speed_{name}" for name in NAMES),
+)
+HEAD = (
+    "time: s",
+    "front_*: m; the x behind which 99.5 % of the volume lies that is faster than",
+    "  output.rest_speed; nan if nothing is",
+    "outer_front_*: m; the same for 99.9 %",
+    "speed_*: m/s; speed of front_*, by central differences between the frames",
+)
+
+
+def front_row(case: tables.Case, frame: Frame) -> Row:
+    """Return time, fronts and outer fronts of a frame, without their speeds."""
+    arrays = frame.position, frame.velocity, frame.kind
+    shares = (fronts(case, *arrays, share=share) for share in (FRONT_SHARE, OUTER_SHARE))
+    return (frame.time, *(x for found in shares for x in found.values()))
+
+
+def front_table(rows: list[Row]) -> Table:
+    """Return the table of the fronts of all frames, with the speeds between them."""
+    known = np.array(rows, dtype=float)
+    front = known[:, 1 : 1 + len(NAMES)]
+    speed = np.full_like(front, np.nan)
+    if len(rows) > 1:
+        speed = np.gradient(front, known[:, 0], axis=0)
+    return dict(zip(COLUMNS, np.hstack([known, speed]).T, strict=True))
+
+
+def arrival(time: Floats, front: Floats, x: float) -> float:
+    """Return when a front first reaches a place, s; nan if it does not.
+
+    Linear between the samples; a front that starts beyond the place has arrived with the first.
+
+    Parameters
+    ----------
+    time, front : (n,) array, s, m
+        nan where there is no front.
+    x : float, m
+
+    Examples
+    --------
+    >>> time, front = np.array([0.0, 1.0, 2.0, 3.0]), np.array([np.nan, 1.0, 3.0, 2.0])
+    >>> arrival(time, front, 2.0), arrival(time, front, 4.0), arrival(time, front, 0.5)
+    (1.5, nan, 1.0)
+    """
+    known = ~np.isnan(front)
+    time, front = time[known], front[known]
+    reached = np.flatnonzero(front >= x)
+    if reached.size == 0:
+        return float("nan")
+    last = reached[0]
+    if last == 0:
+        return float(time[0])
+    before = slice(last - 1, last + 1)
+    return float(np.interp(x, front[before], time[before]))
+
+
+class Mobility(NamedTuple):
+    """Fall and travel of a flow, from the top of its source to the farthest front.
+
+    Attributes
+    ----------
+    toe : float, m
+        Greatest x that the front reached.
+    time : float, s
+        When it did.
+    runout : float, m
+        From the source to there along x.
+    fall, travel : float, m
+        H and L: the vertical and the horizontal distance, in the directions of gravity.
+    """
+
+    toe: float
+    time: float
+    runout: float
+    fall: float
+    travel: float
+
+    @property
+    def equivalent_friction(self) -> float:
+        """Return H / L."""
+        return self.fall / self.travel if self.travel > 0.0 else np.nan
+
+
+def mobility(run: Run, time: Floats, front: Floats, first: Frame) -> Mobility:
+    """Return fall and travel of the flow of a run.
+
+    The source is the top of the supply at x = 0, or without one the highest particle of the first
+    frame, the one that is farthest upstream among equals.  The toe is on the fixed floor.
+
+    Parameters
+    ----------
+    run : Run
+    time, front : (n,) array, s, m
+        Of all phases.
+    first : Frame
+    """
+    if np.isnan(front).all():
+        return Mobility(*[np.nan] * 5)
+    last = int(np.nanargmax(front))
+    toe = float(front[last])
+    source = _source(run.case, first)
+    end = np.array([toe, float(floor_level(run.case, np.array([toe]))[0])])
+    gravity = gravity_vector(run.case)[[0, run.case.dimension - 1]]
+    strength = float(np.linalg.norm(gravity))
+    if strength == 0.0:
+        return Mobility(toe, float(time[last]), toe - source[0], np.nan, np.nan)
+    down = gravity / strength
+    level = np.array([-down[1], down[0]])
+    path = end - source
+    fall, travel = float(path @ down), abs(float(path @ level))
+    return Mobility(toe, float(time[last]), toe - float(source[0]), fall, travel)
+
+
+def _source(case: tables.Case, first: Frame) -> Floats:
+    """Return where the flow comes from, along x and upwards, m."""
+    d0 = case.particles.spacing
+    if case.inflow is not None:
+        floor = float(floor_level(case, np.zeros(1))[0])
+        return np.array([0.0, floor + inflow_section(case).high * d0])
+    position = first.position[first.fluid]
+    if len(position) == 0:
+        return np.full(2, np.nan)
+    height = -position @ gravity_vector(case)
+    highest = position[height >= height.max() - 1e-9 * abs(height.max())]
+    top = highest[np.argmin(highest[:, 0])]
+    return np.array([top[0], top[case.dimension - 1] + 0.5 * d0])

@@ -1,0 +1,44 @@
+"""The plots of a run, one file each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from debrisflow.results.plots.curves import (
+    budget_figure,
+    front_figure,
+    hydrograph_figure,
+    normalized_figure,
+    profile_figure,
+)
+from debrisflow.results.plots.maps import deposit_figure, maxima_figure
+from debrisflow.results.plots.style import caption, save, styled
+from debrisflow.results.references import Distance, Reference
+from debrisflow.results.survey import Survey
+
+
+def draw(
+    found: Survey, given: Sequence[Reference], measured: Sequence[Distance], target: Path
+) -> list[Path]:
+    """Draw all plots of a run into a folder and return their files."""
+    start, end = found.window
+    mean = f"mean over {start:g} to {end:g} s"
+    source = [caption(found.run)]
+    with styled():
+        figures = {
+            "front": ("Front of what flows", front_figure(found, given)),
+            "profiles": (f"Profiles over the height, {mean}", profile_figure(found, given)),
+            "normalized_profiles": (
+                f"Velocity profiles above the bed, {mean}",
+                normalized_figure(found, given, measured),
+            ),
+            "hydrographs": ("Discharge and passed volume", hydrograph_figure(found)),
+            "deposit": ("Deposit", deposit_figure(found, given)),
+            "maxima": ("Greatest values since the start", maxima_figure(found)),
+            "budget": ("Budgets of mass, energy and momentum", budget_figure(found)),
+        }
+        return [
+            save(figure, target / f"{name}.png", title, source)
+            for name, (title, figure) in figures.items()
+        ]

@@ -1,0 +1,92 @@
+"""How all plots look: size, colors that color-blind readers can tell apart, the caption."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from debrisflow import __version__
+from debrisflow.atomic import replaced
+from debrisflow.results.parameters import summary
+from debrisflow.results.run import Run
+
+WIDTH = 7.0  # inch, of a page's text
+DPI = 150
+CAPTION_LETTERS = 150
+# Okabe & Ito
+BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GRAY = (
+    "#0072b2",
+    "#e69f00",
+    "#009e73",
+    "#cc79a7",
+    "#56b4e9",
+    "#d55e00",
+    "#555555",
+)
+CYCLE = (BLUE, RED, GREEN, ORANGE, PURPLE, SKY, GRAY)
+PHASE_COLORS = {"liquid": SKY, "sediment": RED, "mixture": ORANGE, "all": GRAY}
+MATTER_COLORS = {"water": BLUE, "sediment": RED}
+LINES = ("-", "--", "-.", ":")
+SETTINGS: Any = {
+    "font.size": 8,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.2,
+    "legend.fontsize": 7,
+    "legend.framealpha": 0.8,
+    "axes.titlesize": 8,
+}
+
+
+def styled() -> AbstractContextManager[None]:
+    """Return a context in which figures are made and written with these settings."""
+    return mpl.rc_context(SETTINGS)
+
+
+def panels(
+    rows: int, columns: int = 1, height: float = 2.3, **options: Any
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure as wide as a page and its axes, row by row.
+
+    Parameters
+    ----------
+    rows, columns : int
+    height : float, inch
+        Of a row.
+    options
+        As of ``Figure.subplots``.
+    """
+    figure = Figure(figsize=(WIDTH, height * rows + 0.4), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, **options)
+    return figure, list(np.ravel(axes))
+
+
+def save(figure: Figure, path: Path, title: str, captions: Sequence[str]) -> Path:
+    """Write a figure with its title above and its captions below it."""
+    figure.suptitle(title, fontsize=9, x=0.01, ha="left")
+    lines = [line for text in captions for line in textwrap.wrap(text, CAPTION_LETTERS)]
+    figure.supxlabel("\n".join(lines), fontsize=6, x=0.01, ha="left", color=GRAY)
+    with replaced(path) as unfinished:
+        figure.savefig(unfinished, dpi=DPI, format="png", metadata={"Software": "debrisflow"})
+    return path
+
+
+def sequence(count: int) -> list[tuple[float, float, float, float]]:
+    """Return colors for curves in an order, from dark to light."""
+    shades = np.linspace(0.0, 0.85, count) if count > 1 else [0.0]
+    return [mpl.colormaps["viridis"](shade) for shade in shades]
+
+
+def caption(run: Run) -> str:
+    """Return the source of a plot: run, parameters that matter, version."""
+    told = summary(run.case).replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}")
+    return f"{run.name}: {run.case.title}. {told}. debrisflow {__version__}"

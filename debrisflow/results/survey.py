@@ -1,0 +1,153 @@
+"""One pass over the frames of a run: fronts, profiles, hydrographs, deposits, momentum."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from debrisflow.grid import floor_length
+from debrisflow.measures import particle_volume
+from debrisflow.results.budgets import budget_table, momentum_row, momentum_table
+from debrisflow.results.deposition import Deposition, deposition
+from debrisflow.results.frames import Frame, read_frame
+from debrisflow.results.fronts import Mobility, front_row, front_table, mobility
+from debrisflow.results.run import Run
+from debrisflow.results.stations import (
+    hydrograph_rows,
+    hydrographs,
+    mean_profiles,
+    profile_columns,
+    profile_rows,
+)
+from debrisflow.series import Row, Table
+from debrisflow.state import PHASES
+
+Floats = NDArray[np.float64]
+STATIONS = 7
+WINDOW_SHARE = 0.2
+BAR = "{desc} {percentage:3.0f}% |{bar:20}| {n_fmt} of {total_fmt}, {remaining} left"
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What was measured in the frames of a run.
+
+    Attributes
+    ----------
+    run : Run
+    stations : tuple of float, m
+        Of profiles and hydrographs.
+    window : (float, float), s
+        Over which profiles are averaged.
+    chosen : bool
+        Whether the stations were asked for, and so are averaged together too.
+    fronts, profiles, hydrographs, momentum : Table
+        As the tables of the same names.
+    deposits : list of Deposition
+        At the first frame, at chosen times and at the last frame.
+    mobility : Mobility
+    """
+
+    run: Run
+    stations: tuple[float, ...]
+    window: tuple[float, float]
+    chosen: bool
+    fronts: Table
+    profiles: Table
+    hydrographs: Table
+    momentum: Table
+    deposits: list[Deposition]
+    mobility: Mobility
+
+    @cached_property
+    def mean_profiles(self) -> Table:
+        """Return the profiles averaged over the window, by station."""
+        return mean_profiles(self.run.case, self.profiles, self.window)
+
+    @cached_property
+    def pooled_profile(self) -> Table:
+        """Return the profile averaged over the window and the stations."""
+        return mean_profiles(self.run.case, self.profiles, self.window, pooled=True)
+
+    @cached_property
+    def budget(self) -> Table:
+        """Return mass by matter and energies in time."""
+        return budget_table(self.run.case, self.run.history)
+
+
+def survey(
+    run: Run,
+    stations: Sequence[float] = (),
+    window: tuple[float, float] | None = None,
+    times: Sequence[float] = (),
+) -> Survey:
+    """Measure the frames of a run, with a progress bar.
+
+    Parameters
+    ----------
+    run : Run
+    stations : sequence of float, m
+        x of profiles and hydrographs; every eighth of the length if there are none.
+    window : (float, float), s, optional
+        Over which profiles are averaged; the last fifth of the frames' time if left out.
+    times : sequence of float, s
+        At which the deposit is measured, each at the nearest frame, beside first and last.
+
+    Raises
+    ------
+    OutputError
+        If there are no frames, or one is missing or damaged.
+    """
+    case, at = run.case, run.times
+    if window is None:
+        window = (float(at[-1] - WINDOW_SHARE * (at[-1] - at[0])), float(at[-1]))
+    places = tuple(stations) or tuple(
+        k * floor_length(case) / (STATIONS + 1) for k in range(1, STATIONS + 1)
+    )
+    wanted = {0, len(at) - 1, *(int(np.argmin(np.abs(at - time))) for time in times)}
+    rows: dict[str, list[Row]] = {name: [] for name in ("front", "profile", "station", "momentum")}
+    deposits, first = [], None
+    progress = tqdm(run.files, desc=f"{run.name}: frames", bar_format=BAR)
+    for number, (time, file) in enumerate(progress):
+        frame = read_frame(time, file)
+        first = frame if first is None else first
+        rows["front"].append(front_row(case, frame))
+        rows["profile"].extend(profile_rows(case, frame, places))
+        rows["station"].extend(hydrograph_rows(case, frame, places, _gone(run, time)))
+        rows["momentum"].append(momentum_row(case, frame))
+        if number in wanted:
+            deposits.append(deposition(case, frame))
+    assert isinstance(first, Frame)
+    fronts = front_table(rows["front"])
+    return Survey(
+        run=run,
+        stations=places,
+        window=window,
+        chosen=bool(stations),
+        fronts=fronts,
+        profiles=_table(profile_columns(case.dimension), rows["profile"]),
+        hydrographs=hydrographs(rows["station"]),
+        momentum=momentum_table(case, rows["momentum"]),
+        deposits=deposits,
+        mobility=mobility(run, fronts["time"], fronts["front_all"], first),
+    )
+
+
+def _gone(run: Run, time: float) -> tuple[float, float]:
+    """Return the volume that has left a run until a time, and of the grains in it, m3 or m2."""
+    history, ways = run.history, ("out", "through_wall")
+    count = sum(history[f"particles_{way}_{phase}"] for way in ways for phase in PHASES)
+    grains = sum(history[f"sediment_volume_{way}"] for way in ways)
+    volumes = particle_volume(run.case) * count, grains
+    everything, sediment = (float(np.interp(time, history["time"], v)) for v in volumes)
+    return everything, sediment
+
+
+def _table(names: Sequence[str], rows: list[Row]) -> Table:
+    columns = np.array(rows, dtype=float).reshape(len(rows), len(names)).T
+    return dict(zip(names, columns, strict=True))
