@@ -18,6 +18,7 @@ from debrisflow.results.survey import Survey
 
 Floats = NDArray[np.float64]
 LEVELS = 8
+MAP_WIDTH, LEAST_HEIGHT, GREATEST_HEIGHT = 5.4, 0.9, 3.6  # inch
 
 
 def deposit_figure(found: Survey, given: Sequence[Reference]) -> Figure:
@@ -55,7 +56,8 @@ def _at(one: Deposition) -> str:
 
 def _deposit_map(found: Survey) -> Figure:
     last = found.deposits[-1]
-    figure, (lying, flowing, profile) = panels(3, height=2.5, sharex=True)
+    tall = map_height(last.grid)
+    figure, (lying, flowing, profile) = panels(3, height=(tall, tall, 2.3), sharex=True)
     mapped(
         lying, last.grid, last.table["deposit_height"], f"deposit, cm\nt = {last.time:g} s", 100.0
     )
@@ -78,7 +80,8 @@ def maxima_figure(found: Survey) -> Figure:
         ("maximal_speed", "greatest speed, m/s", 1.0),
         ("arrival_time", "arrival, s", 1.0),
     )
-    figure, axes = panels(3, height=2.2, sharex=True)
+    height = map_height(grid) if found.run.case.dimension == 3 else 2.2
+    figure, axes = panels(3, height=height, sharex=True)
     for one, (name, label, scale), color in zip(axes, shown, (BLUE, RED, ORANGE), strict=True):
         if found.run.case.dimension == 3:
             mapped(one, grid, maxima[name], label, scale, contours=name != "maximal_speed")
@@ -89,6 +92,12 @@ def maxima_figure(found: Survey) -> Figure:
             one.text(0.5, 0.5, "nowhere", transform=one.transAxes, ha="center", color=GRAY)
     axes[-1].set_xlabel("x, m")
     return figure
+
+
+def map_height(grid: Grid) -> float:
+    """Return the height, inch, of a map in true proportions as wide as a page."""
+    ratio = float(np.ptp(grid.across) / np.ptp(grid.along))
+    return min(max(MAP_WIDTH * ratio, LEAST_HEIGHT), GREATEST_HEIGHT)
 
 
 def mapped(
@@ -125,7 +134,7 @@ def mapped(
         x, y = (0.5 * (edges[:-1] + edges[1:]) for edges in (grid.along, grid.across))
         if contours and min(field.shape) >= 2 and greatest > 0.0:
             levels = np.linspace(0.0, greatest, LEVELS + 1)[1:-1:2]
-            axes.contour(x, y, np.nan_to_num(field).T, levels, colors="black", linewidths=0.4)
+            axes.contour(x, y, np.ma.masked_invalid(field).T, levels, colors="black", linewidths=0.4)
     axes.set(aspect="equal", ylabel="y, m")
     axes.grid(False)
 

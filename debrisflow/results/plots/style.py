@@ -53,20 +53,21 @@ def styled() -> AbstractContextManager[None]:
 
 
 def panels(
-    rows: int, columns: int = 1, height: float = 2.3, **options: Any
+    rows: int, columns: int = 1, height: float | Sequence[float] = 2.3, **options: Any
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure as wide as a page and its axes, row by row.
 
     Parameters
     ----------
     rows, columns : int
-    height : float, inch
-        Of a row.
+    height : float or sequence of float, inch
+        Of all rows, or of each.
     options
         As of ``Figure.subplots``.
     """
-    figure = Figure(figsize=(WIDTH, height * rows + 0.4), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False, **options)
+    heights = [height] * rows if isinstance(height, float) else list(height)
+    figure = Figure(figsize=(WIDTH, sum(heights) + 0.4), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, height_ratios=heights, **options)
     return figure, list(np.ravel(axes))
 
 
