@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +70,24 @@ _threads = click.option(
     "--threads",
     type=click.IntRange(min=1),
     help="Threads to use; if left out, as many as the case keeps busy.",
+)
+_stations = click.option(
+    "--stations",
+    type=Numbers(),
+    default=(),
+    help="x of profiles and hydrographs, m: X,X,...; every eighth of the length if left out.",
+)
+_window = click.option(
+    "--window",
+    type=Numbers(2),
+    help="Times over which profiles are averaged, s: T0,T1; the last fifth if left out.",
+)
+_references = click.option(
+    "--reference",
+    "references",
+    type=_PATH,
+    multiple=True,
+    help="CSV file of curves to compare with; may be repeated.",
 )
 
 
@@ -150,16 +169,10 @@ def init(file: Path, template: str) -> None:
 
 @main.command()
 @_results
-@click.option("--stations", type=Numbers(), default=(), help="x of the profiles, m: X,X,...")
-@click.option("--window", type=Numbers(2), help="Times over which profiles are averaged, s: T0,T1.")
+@_stations
+@_window
 @click.option("--times", type=Numbers(), default=(), help="Times of the deposit, s: T,T,...")
-@click.option(
-    "--reference",
-    "references",
-    type=_PATH,
-    multiple=True,
-    help="CSV file of curves to compare with; may be repeated.",
-)
+@_references
 def postprocess(
     folder: Path,
     stations: tuple[float, ...],
@@ -176,10 +189,66 @@ def postprocess(
     given = [read_reference(path) for path in references]
     found = survey(open_run(folder), stations, window, times)
     written, told = postprocess(found, given)
-    for path in written:
-        click.echo(f"wrote {path}")
+    _tell_files(written)
     for line in told:
         click.echo(line)
+
+
+@main.command()
+@_results
+@_stations
+@_window
+@_references
+def report(
+    folder: Path,
+    stations: tuple[float, ...],
+    window: tuple[float, float] | None,
+    references: tuple[Path, ...],
+) -> None:
+    """Write a page on the run in the folder RUN: one HTML file that needs nothing else."""
+    from debrisflow.results import open_run
+    from debrisflow.results.references import read_reference
+    from debrisflow.results.report import report
+    from debrisflow.results.survey import survey
+
+    given = [read_reference(path) for path in references]
+    _tell_files([report(survey(open_run(folder), stations, window), given)])
+
+
+@main.command()
+@click.argument("folders", metavar="RUN RUN...", type=_PATH, nargs=-1, required=True)
+@_stations
+@_window
+@click.option(
+    "-o",
+    "--output",
+    type=_PATH,
+    default=Path("comparison"),
+    show_default=True,
+    help="Folder of the tables and plots.",
+)
+def compare(
+    folders: tuple[Path, ...],
+    stations: tuple[float, ...],
+    window: tuple[float, float] | None,
+    output: Path,
+) -> None:
+    """Compare runs: parameters that differ, figures, and the same curves in one plot."""
+    from debrisflow.results import open_run
+    from debrisflow.results.compare import compare, table_lines
+    from debrisflow.results.survey import survey
+
+    if len(folders) < 2:
+        raise click.UsageError("two runs or more are needed to compare")
+    together, written = compare([survey(open_run(f), stations, window) for f in folders], output)
+    for line in table_lines(together):
+        click.echo(line)
+    _tell_files(written)
+
+
+def _tell_files(files: Sequence[Path]) -> None:
+    for file in files:
+        click.echo(f"wrote {file}")
 
 
 @main.command()

@@ -34,7 +34,35 @@ CHECKPOINT = "checkpoint.h5"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
 RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
-DERIVED = ("front.csv", "profiles.csv", "deposit_profile.csv")
+DERIVED = (
+    *(
+        f"{name}.csv"
+        for name in (
+            "front",
+            "profiles",
+            "mean_profiles",
+            "hydrographs",
+            "deposit_profile",
+            "budget",
+            "momentum",
+            "distances",
+            "answers",
+        )
+    ),
+    *(
+        f"{name}.png"
+        for name in (
+            "front",
+            "profiles",
+            "normalized_profiles",
+            "hydrographs",
+            "deposit",
+            "maxima",
+            "budget",
+        )
+    ),
+    "report.html",
+)
 
 
 class Schedule:

@@ -41,7 +41,7 @@ SCHEMES: dict[str, type[SemiImplicit] | type[Explicit]] = {
 
 
 def simulate(
-    case: tables.Case, folder: Path, threads: int | None = None, overwrite: bool = False
+    case: tables.Case, folder: Path | str, threads: int | None = None, overwrite: bool = False
 ) -> dict[str, Any]:
     """Compute a case and write its results into a folder.
 
@@ -49,7 +49,7 @@ def simulate(
     ----------
     case : Case
         As :func:`debrisflow.case.load_case` returns it.
-    folder : Path
+    folder : Path or str
         Holds the results afterwards; refused if it holds some already, unless ``overwrite``.
     threads : int, optional
         As many as the case can use by default; the result does not depend on it.
@@ -65,7 +65,7 @@ def simulate(
     """
     state = initial_state(case)
     probe_measures(case, state.particles)  # what is wrong with a probe, before a folder is touched
-    with RunFolder.create(folder, case, overwrite) as results:
+    with RunFolder.create(Path(folder), case, overwrite) as results:
         run = _Run(case, results, state, threads)
         run.scheme.fill_number_density(state)
         run.write(0)

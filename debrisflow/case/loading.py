@@ -76,7 +76,7 @@ def dump_case(case: Case) -> str:
         del data["gravity"]["acceleration"], data["gravity"]["slope"]
     if case.inflow is not None and case.inflow.hydrograph is not None:
         del data["inflow"]["concentration"]
-    text = tomli_w.dumps(data)
+    text = tomli_w.dumps(data, multiline_strings=True)
     return _HEAD + _FEW_NUMBERS.sub(lambda few: f"[{' '.join(few[1].split()).rstrip(',')}]", text)
 
 
@@ -110,9 +110,10 @@ def _with_units(node: Any) -> Any:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return the contents of a TOML file."""
+    """Return the contents of a TOML file, with the comment at its head as its notes."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        return {"notes": _head_comment(text)} | tomllib.loads(text)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise CaseError(f"{path}: cannot be read: {reason}") from error
@@ -120,6 +121,23 @@ def _read(path: Path) -> dict[str, Any]:
         raise CaseError(f"{path}: is not a text file in UTF-8") from error
     except tomllib.TOMLDecodeError as error:
         raise CaseError(f"{path}: is not valid TOML: {error}") from error
+
+
+def _head_comment(text: str) -> str:
+    """Return the lines of comment with which a file begins, without their signs.
+
+    Examples
+    --------
+    >>> _head_comment("# A flume." + chr(10) + "# Calibrated: nothing.").splitlines()
+    ['A flume.', 'Calibrated: nothing.']
+    """
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        if not line.startswith("#:"):
+            lines.append(line[1:].strip())
+    return "\n".join(lines).strip()
 
 
 def _build(data: dict[str, Any]) -> tuple[dict[str, Any], list[Problem]]:

@@ -335,6 +335,12 @@ class Case(Table):
     """A whole case file."""
 
     title: str = quantity(NONE, "one line that says what is computed")
+    notes: str = quantity(
+        NONE,
+        "source, what is calibrated, what to expect, for the reports on a run; the comment at the "
+        "head of the file if left out",
+        "",
+    )
     particles: Particles
     gravity: Gravity = Gravity()
     geometry: Annotated[Geometry, Field(discriminator="type")]

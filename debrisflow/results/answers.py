@@ -38,15 +38,20 @@ REST_SHARE = 0.01
 
 def answers(found: Survey) -> list[Answer]:
     """Return the figures of a run."""
-    return [
-        *_runout(found),
-        *_arrivals(found),
-        *_extent(found),
-        *_deposit(found),
-        *_sections(found),
-        *_stations(found),
-        *_budgets(found),
-    ]
+    return [row for rows in answers_by_heading(found).values() for row in rows]
+
+
+def answers_by_heading(found: Survey) -> dict[str, list[Answer]]:
+    """Return the figures of a run by the headings under which they stand in a report."""
+    return {
+        "Run-out": _runout(found),
+        "Arrival of the front": _arrivals(found),
+        "Extent": _extent(found),
+        "Deposit and erosion": _deposit(found),
+        "Sections": _sections(found),
+        "Stations": _stations(found),
+        "Budgets": _budgets(found),
+    }
 
 
 def _runout(found: Survey) -> list[Answer]:

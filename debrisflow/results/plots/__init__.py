@@ -17,6 +17,18 @@ from debrisflow.results.plots.style import caption, save, styled
 from debrisflow.results.references import Distance, Reference
 from debrisflow.results.survey import Survey
 
+DESCRIPTIONS = {
+    "front": "How far the flow has reached, by phase, and the speed of its front.",
+    "profiles": "Means over the height at the stations.",
+    "normalized_profiles": (
+        "Velocity above the bed, over that at the surface, against the profile of colliding grains."
+    ),
+    "hydrographs": "What went through the stations and sections.",
+    "deposit": "Height of what lies at rest, and of the flow.",
+    "maxima": "Greatest depth and speed, and when the flow arrived.",
+    "budget": "Mass by matter and the error of its balance, energies, and forces along x.",
+}
+
 
 def draw(
     found: Survey, given: Sequence[Reference], measured: Sequence[Distance], target: Path

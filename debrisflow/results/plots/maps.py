@@ -61,7 +61,8 @@ def _deposit_map(found: Survey) -> Figure:
     mapped(
         lying, last.grid, last.table["deposit_height"], f"deposit, cm\nt = {last.time:g} s", 100.0
     )
-    mapped(flowing, last.grid, last.table["flow_height"], f"flow, cm\nt = {last.time:g} s", 100.0)
+    label, height = f"flow, cm\nt = {last.time:g} s", last.table["flow_height"]
+    mapped(flowing, last.grid, height, label, 100.0, contours=False)
     for one, color in zip(found.deposits, sequence(len(found.deposits)), strict=True):
         x, height = greatest_across(one.grid, one.table["deposit_height"])
         profile.plot(x, 100.0 * height, color=color, label=_at(one))
@@ -101,7 +102,13 @@ def map_height(grid: Grid) -> float:
 
 
 def mapped(
-    axes: Axes, grid: Grid, values: Floats, label: str, scale: float, contours: bool = True
+    axes: Axes,
+    grid: Grid,
+    values: Floats,
+    label: str,
+    scale: float,
+    contours: bool = True,
+    limit: float | None = None,
 ) -> None:
     """Draw a map of values over the cells of a grid in true proportions.
 
@@ -117,6 +124,8 @@ def mapped(
         By which values are multiplied for that unit.
     contours : bool
         Draw lines of equal value too, which noise would tangle.
+    limit : float, optional
+        Value at the end of the color bar; exceeded by one cell in two hundred if left out.
     """
     field = np.where(grid.number >= 0, (scale * values)[grid.number], np.nan)
     field = np.where(field > 0.0, field, np.nan)
@@ -125,7 +134,7 @@ def mapped(
     base = np.where(grid.number >= 0, 0.0, np.nan).T
     axes.pcolormesh(grid.along, grid.across, base, cmap="gray_r", vmin=0.0, vmax=1.0)
     if shown.any():
-        greatest = float(np.nanpercentile(field, 99.5))
+        greatest = float(np.nanpercentile(field, 99.5)) if limit is None else scale * limit
         mesh = axes.pcolormesh(
             grid.along, grid.across, field.T, cmap="viridis", vmin=0.0, vmax=greatest
         )
@@ -134,7 +143,9 @@ def mapped(
         x, y = (0.5 * (edges[:-1] + edges[1:]) for edges in (grid.along, grid.across))
         if contours and min(field.shape) >= 2 and greatest > 0.0:
             levels = np.linspace(0.0, greatest, LEVELS + 1)[1:-1:2]
-            axes.contour(x, y, np.ma.masked_invalid(field).T, levels, colors="black", linewidths=0.4)
+            axes.contour(
+                x, y, np.ma.masked_invalid(field).T, levels, colors="black", linewidths=0.4
+            )
     axes.set(aspect="equal", ylabel="y, m")
     axes.grid(False)
 

@@ -1,0 +1,127 @@
+"""The same curves and figures of several runs, and the parameters in which they differ."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from debrisflow.errors import OutputError
+from debrisflow.results.answers import answers, answers_by_heading
+from debrisflow.results.parameters import differences
+from debrisflow.results.plots.comparison import draw_comparison
+from debrisflow.results.survey import Survey
+from debrisflow.series import write_table
+
+ABSENT = "-"
+
+
+class Comparison(NamedTuple):
+    """Several runs beside each other.
+
+    Attributes
+    ----------
+    names : list of str
+        Of the runs, each once.
+    differing : list of tuple of str
+        Key and value in each run, of the parameters that differ.
+    figures : list of tuple
+        Heading, quantity, unit, value in each run, of the answers that all runs have.
+    time : float, s
+        The last that all runs have reached.
+    """
+
+    names: list[str]
+    differing: list[tuple[str, ...]]
+    figures: list[tuple[str, str, str, list[float]]]
+    time: float
+
+
+def compare(found: Sequence[Survey], target: Path) -> tuple[Comparison, list[Path]]:
+    """Compare runs and write tables and plots into a folder.
+
+    Parameters
+    ----------
+    found : sequence of Survey
+        Of two or more runs of the same dimension.
+    target : Path
+
+    Returns
+    -------
+    Comparison
+    list of Path
+        The files.
+
+    Raises
+    ------
+    OutputError
+        If runs of two and of three dimensions meet, or the folder cannot be written.
+    """
+    if len({one.run.case.dimension for one in found}) > 1:
+        raise OutputError("runs of two and of three dimensions cannot be compared")
+    names = _names(found)
+    rows = differences([one.run.case for one in found])
+    differing = [
+        (next(part.key for part in row if part), *(part.told if part else ABSENT for part in row))
+        for row in rows
+        if next(part.key for part in row if part) != "notes"
+    ]
+    together = Comparison(names, differing, _figures(found), min(_last(one) for one in found))
+    files = [target / "parameters.csv", target / "answers.csv"]
+    write_table(files[0], ("parameter", *names), ("where the cases differ",), differing)
+    write_table(
+        files[1],
+        ("quantity", "unit", *names),
+        ("figures of the runs, each at its own end; nan where a run has none",),
+        ([quantity, unit, *values] for _, quantity, unit, values in together.figures),
+    )
+    titles = [f"{row[0]}: {', '.join(row[1:])}" for row in differing]
+    return together, [*files, *draw_comparison(found, names, titles, together.time, target)]
+
+
+def _last(found: Survey) -> float:
+    return float(found.run.times[-1])
+
+
+def _names(found: Sequence[Survey]) -> list[str]:
+    """Return the names of the folders, with the folder above where they are equal."""
+    names = [one.run.name for one in found]
+    if len(set(names)) == len(names):
+        return names
+    paths = [one.run.folder.resolve() for one in found]
+    names = [f"{path.parent.name}/{path.name}" for path in paths]
+    if len(set(names)) == len(names):
+        return names
+    return [f"{number} {name}" for number, name in enumerate(names, start=1)]
+
+
+def _figures(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
+    known = [{row.quantity: row.value for row in answers(one)} for one in found]
+    return [
+        (heading, row.quantity, row.unit, [values[row.quantity] for values in known])
+        for heading, rows in answers_by_heading(found[0]).items()
+        for row in rows
+        if all(row.quantity in values for values in known)
+    ]
+
+
+def table_lines(together: Comparison) -> list[str]:
+    """Return parameters and figures, but those of stations, as lines with columns."""
+    lines = [(name, *values) for name, *values in together.differing]
+    figures = [
+        (f"{name}, {unit}" if unit != ABSENT else name, *map(_told, values))
+        for heading, name, unit, values in together.figures
+        if heading != "Stations" and not np.isnan(values).all()
+    ]
+    rows = [("", *together.names), *lines, *figures]
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def _told(value: float) -> str:
+    return "nan" if np.isnan(value) else f"{value:.4g}"

@@ -1,0 +1,139 @@
+"""A page on a run, to hand to somebody: one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import jinja2
+import numpy as np
+
+from debrisflow import __version__
+from debrisflow.atomic import replaced
+from debrisflow.output import POSTPROCESS
+from debrisflow.results.answers import answers_by_heading
+from debrisflow.results.parameters import Parameter, parameters, summary
+from debrisflow.results.plots import DESCRIPTIONS
+from debrisflow.results.postprocess import postprocess
+from debrisflow.results.references import Reference
+from debrisflow.results.survey import Survey
+
+FILE = "report.html"
+PICTURES = "render"
+RUNNING = "still running, or interrupted"
+MIB = 2**20
+LARGEST_PICTURE = 8 * MIB
+
+
+class Picture(NamedTuple):
+    """An image of the page, in its text.
+
+    Attributes
+    ----------
+    name, text : str
+        Of the file, and what it shows.
+    source : str
+        A data URL.
+    """
+
+    name: str
+    text: str
+    source: str
+
+
+def report(found: Survey, given: Sequence[Reference] = ()) -> Path:
+    """Write tables, plots and ``report.html`` of a survey, and return the page.
+
+    Pictures that ``debrisflow render`` has made before are on it.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    """
+    files, _ = postprocess(found, given)
+    plots = [_picture(file) for file in files if file.suffix == ".png"]
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("debrisflow.results", "templates"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters["figure"] = _figure
+    page = environment.get_template("report.html").render(
+        **_contents(found), plots=plots, pictures=_pictures(found.run.folder / PICTURES)
+    )
+    path = found.run.folder / POSTPROCESS / FILE
+    with replaced(path) as unfinished:
+        unfinished.write_text(page, encoding="utf-8")
+    return path
+
+
+def _contents(found: Survey) -> dict[str, Any]:
+    run, last = found.run, float(found.run.times[-1])
+    return {
+        "title": run.case.title,
+        "name": run.name,
+        "status": run.summary.get("end_reason", RUNNING),
+        "time": last,
+        "end": run.case.time.end,
+        "dimension": run.case.dimension,
+        "notes": run.case.notes.split("\n\n") if run.case.notes else [],
+        "summary": summary(run.case),
+        "answers": answers_by_heading(found),
+        "parameters": _tables(parameters(run.case)),
+        "timing": _timing(run.summary),
+        "versions": run.summary.get("versions", {}),
+        "warnings": run.warnings,
+        "version": __version__,
+        "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "window": found.window,
+    }
+
+
+def _figure(value: float) -> str:
+    return "none" if np.isnan(value) else f"{value:.4g}"
+
+
+def _tables(fields: Sequence[Parameter]) -> list[tuple[str, list[Parameter]]]:
+    """Return the fields of a case by their table, without the text that stands above."""
+    kept = [one for one in fields if one.key not in ("title", "notes")]
+    return [(name, list(part)) for name, part in groupby(kept, key=lambda one: _table_of(one.key))]
+
+
+def _table_of(key: str) -> str:
+    *path, _ = key.split(".")
+    return ".".join(path[:2] if len(path) > 1 and path[1].isdigit() else path[:1])
+
+
+def _timing(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    if not summary:
+        return []
+    seconds = summary["wall_seconds"]
+    rows = [
+        ("wall time", f"{seconds:.0f} s"),
+        ("steps", f"{summary['steps']}"),
+        ("time a step", f"{1e3 * summary['seconds_per_step']:.3g} ms"),
+        ("particles at the end", f"{summary['particles']}"),
+        ("particle steps a second", f"{summary['particle_steps_per_second']:.3g}"),
+        ("threads", f"{summary['threads']} ({summary['threading_layer']})"),
+    ]
+    phases = summary["wall_seconds_by_phase"].items()
+    return rows + [(f"of which {name}", f"{100 * part / seconds:.0f} %") for name, part in phases]
+
+
+def _pictures(folder: Path) -> list[Picture]:
+    files = sorted([*folder.glob("*.png"), *folder.glob("*.gif")])
+    return [_picture(file) for file in files if file.stat().st_size <= LARGEST_PICTURE]
+
+
+def _picture(file: Path) -> Picture:
+    data = b64encode(file.read_bytes()).decode("ascii")
+    name = file.stem.replace("_", " ")
+    source = f"data:image/{file.suffix[1:]};base64,{data}"
+    return Picture(name, DESCRIPTIONS.get(file.stem, name), source)
