@@ -34,7 +34,24 @@ CHECKPOINT = "checkpoint.h5"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
 RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
-DERIVED = ("front.csv", "profiles.csv", "deposit_profile.csv")
+DERIVED = (
+    "answers.csv",
+    "budget.csv",
+    "deposit_profile.csv",
+    "distances.csv",
+    "front.csv",
+    "hydrographs.csv",
+    "mean_profiles.csv",
+    "momentum.csv",
+    "profiles.csv",
+    "budget.png",
+    "deposit.png",
+    "front.png",
+    "hydrographs.png",
+    "maxima.png",
+    "normalized_profiles.png",
+    "profiles.png",
+)
 
 
 class Schedule:
