@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,8 @@ class Numbers(click.ParamType[tuple[float, ...]]):
         try:
             numbers = tuple(float(part) for part in value.split(","))
         except ValueError:
+            numbers = (math.nan,)
+        if not all(map(math.isfinite, numbers)):
             self.fail(f"{value} is not a list of numbers with commas between them")
         if self.count is not None and len(numbers) != self.count:
             self.fail(f"{value} has {len(numbers)} numbers where {self.count} are needed")

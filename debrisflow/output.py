@@ -35,32 +35,22 @@ PROBES = "probes"
 POSTPROCESS = "postprocess"
 RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
 DERIVED = (
-    *(
-        f"{name}.csv"
-        for name in (
-            "front",
-            "profiles",
-            "mean_profiles",
-            "hydrographs",
-            "deposit_profile",
-            "budget",
-            "momentum",
-            "distances",
-            "answers",
-        )
-    ),
-    *(
-        f"{name}.png"
-        for name in (
-            "front",
-            "profiles",
-            "normalized_profiles",
-            "hydrographs",
-            "deposit",
-            "maxima",
-            "budget",
-        )
-    ),
+    "answers.csv",
+    "budget.csv",
+    "deposit_profile.csv",
+    "distances.csv",
+    "front.csv",
+    "hydrographs.csv",
+    "mean_profiles.csv",
+    "momentum.csv",
+    "profiles.csv",
+    "budget.png",
+    "deposit.png",
+    "front.png",
+    "hydrographs.png",
+    "maxima.png",
+    "normalized_profiles.png",
+    "profiles.png",
     "report.html",
 )
 

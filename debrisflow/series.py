@@ -31,10 +31,14 @@ def write_table(
         writer.writerows(_printed(row) for row in rows)
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path, grows: bool = True) -> Table:
     """Return the columns of a table of numbers, (rows,) float64 arrays by their names.
 
-    A last line without its end is one that is being written, and is left out.
+    Parameters
+    ----------
+    path : Path
+    grows : bool
+        A last line without its end is one that is being written, and is left out.
 
     Raises
     ------
@@ -46,7 +50,7 @@ def read_table(path: Path) -> Table:
     except (OSError, UnicodeDecodeError) as error:
         told = "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}"
         raise OutputError(f"{path} {told}") from error
-    whole = text[: text.rfind("\n") + 1].splitlines()
+    whole = text[: text.rfind("\n") + 1 if grows else None].splitlines()
     lines = [line for line in whole if line and not line.startswith("#")]
     if not lines:
         raise OutputError(f"{path} is damaged: it names no columns")

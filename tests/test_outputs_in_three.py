@@ -16,7 +16,9 @@ from debrisflow.maxima import no_maxima
 from debrisflow.measures import deposit_profile, elastic_energy, energies, flow, fronts
 from debrisflow.output import RunFolder
 from debrisflow.particles import Kind, blank, set_material
-from debrisflow.postprocess import postprocess
+from debrisflow.results import open_run
+from debrisflow.results.postprocess import postprocess
+from debrisflow.results.survey import survey
 from debrisflow.state import initial_state
 
 D0 = 0.1
@@ -336,13 +338,15 @@ def test_history_counts_whole_masses(run):
 
 
 def test_post_processing_measures_in_three_dimensions(run):
-    front, profiles, deposit = (table(file) for file in postprocess(run, stations=[0.5]))
+    postprocess(survey(open_run(run), [0.5]))
+    files = (run / f"postprocess/{name}.csv" for name in ("front", "profiles", "deposit_profile"))
+    front, profiles, deposit = (table(file) for file in files)
     assert np.diff(front["front_all"]) == pytest.approx(0.1)
     assert front["speed_mixture"] == pytest.approx(1.0)
-    assert list(profiles) == ["time", "station", "z", "velocity", "concentration", "samples"]
+    assert list(profiles)[:5] == ["time", "station", "z", "velocity", "concentration"]
     last = profiles["time"] == 0.2
     np.testing.assert_allclose(profiles["z"][last], [0.05, 0.15, 0.25])
     np.testing.assert_array_equal(profiles["samples"][last], 2 * 4)
-    names = ["x", "y", "floor_level", "deposit_height", "flow_height", "concentration"]
-    assert list(deposit) == names
-    assert deposit["x"].size == 15
+    names = ["x", "y", "floor_level", "initial_bed", "deposit_height", "bed_change"]
+    assert list(deposit)[:7] == ["time", *names]
+    assert np.count_nonzero(deposit["time"] == 0.2) == 15

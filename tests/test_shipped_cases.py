@@ -11,7 +11,9 @@ import pyvista
 
 from debrisflow.case import case_schema, load_case
 from debrisflow.output import CASE, DEPOSIT, HISTORY, MAXIMA, SUMMARY
-from debrisflow.postprocess import postprocess
+from debrisflow.results import open_run
+from debrisflow.results.postprocess import postprocess
+from debrisflow.results.survey import survey
 from debrisflow.simulation import simulate
 
 CASES = Path(__file__).parents[1] / "cases"
@@ -49,7 +51,8 @@ def test_a_shipped_case_runs_and_writes_everything(name, tmp_path):
     assert json.loads((folder / SUMMARY).read_text())["end_reason"] == "end of the simulated time"
     for table in (DEPOSIT, HISTORY, MAXIMA):
         assert (folder / table).stat().st_size > 0
-    assert all(path.stat().st_size > 0 for path in postprocess(folder))
+    files, _ = postprocess(survey(open_run(folder)))
+    assert all(path.stat().st_size > 0 for path in files)
 
 
 @pytest.mark.parametrize("name", NAMES)

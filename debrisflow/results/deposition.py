@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import tables
 from debrisflow.case.shapes import ChannelShape
+from debrisflow.geometry import floor_bend
 from debrisflow.grid import FLOOR_WORDS, PLACE, PLACE_WORDS, Grid, floor_level, plan
 from debrisflow.lattice import reference
 from debrisflow.measures import deposit_profile, deposited, locate_fluid, particle_volume
@@ -52,11 +53,15 @@ class Deposition(NamedTuple):
     grid : Grid
     table : Table
         ``COLUMNS``, an array each, over the cells.
+    upright : (n,) array
+        Length along y, in three dimensions z, over that along the normal of the floor; 1 but on a
+        run-out that bends.
     """
 
     time: float
     grid: Grid
     table: Table
+    upright: Floats
 
     @property
     def area(self) -> float:
@@ -71,12 +76,12 @@ class Deposition(NamedTuple):
     @property
     def deposition(self) -> float:
         """Return the volume between deposit and initial bed where the deposit is higher."""
-        return float(np.maximum(self.table["bed_change"], 0.0) @ self.grid.area)
+        return float(np.maximum(self.table["bed_change"], 0.0) @ (self.upright * self.grid.area))
 
     @property
     def erosion(self) -> float:
         """Return the volume between initial bed and deposit where the deposit is lower."""
-        return float(np.maximum(-self.table["bed_change"], 0.0) @ self.grid.area)
+        return float(np.maximum(-self.table["bed_change"], 0.0) @ (self.upright * self.grid.area))
 
     def gradient(self, fall: float) -> float:
         """Return by how much the surface of the deposit falls along x, degrees.
@@ -93,7 +98,7 @@ class Deposition(NamedTuple):
         if np.count_nonzero(here) < LEAST_STEEP_CELLS:
             return float("nan")
         x, y = self.grid.x[here], self.grid.y[here]
-        top = (self.table["floor_level"] + self.table["deposit_height"])[here]
+        top = (self.table["floor_level"] + self.upright * self.table["deposit_height"])[here]
         terms = np.column_stack([x, y, np.ones(x.size)])
         slope = np.linalg.lstsq(terms, top, rcond=None)[0][0]
         return float(np.degrees(fall - np.arctan(slope)))
@@ -130,7 +135,8 @@ def deposition(case: tables.Case, frame: Frame) -> Deposition:
         sediment,
         everything - sediment,
     )
-    return Deposition(frame.time, grid, dict(zip(COLUMNS, columns, strict=True)))
+    upright = 1.0 / np.cos(floor_bend(case, grid.x))
+    return Deposition(frame.time, grid, dict(zip(COLUMNS, columns, strict=True)), upright)
 
 
 def initial_bed(case: tables.Case, grid: Grid) -> Floats:

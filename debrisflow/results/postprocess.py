@@ -55,8 +55,12 @@ def _told(rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
     lines = []
     for row in rows:
         if row.quantity.endswith("_arrival"):
-            when = "nothing has passed" if np.isnan(row.value) else f"t = {row.value:g} s"
-            lines.append(f"section {row.quantity.removesuffix('_arrival')}: first passed {when}")
+            when = (
+                "nothing has passed"
+                if np.isnan(row.value)
+                else f"first passed by t = {row.value:g} s"
+            )
+            lines.append(f"section {row.quantity.removesuffix('_arrival')}: {when}")
         elif row.quantity in TOLD and not np.isnan(row.value):
             lines.append(f"{row.quantity} = {row.value:.4g} {row.unit}: {row.meaning}")
     for one in measured:

@@ -95,10 +95,12 @@ def read_reference(path: Path) -> Reference:
     OutputError
         If it cannot be read, or its first column does not increase.
     """
-    table = read_table(path)
+    table = read_table(path, grows=False)
     names = list(table)
     if len(names) < 2:
         raise OutputError(f"{path} has the one column {names[0]}: a curve needs two")
+    if table[names[0]].size == 0:
+        raise OutputError(f"{path} has no rows: a curve needs points")
     if not np.all(np.diff(table[names[0]]) > 0.0):
         raise OutputError(f"{path}: its first column, {names[0]}, does not increase")
     return Reference(path.stem, names[0], table)

@@ -106,7 +106,7 @@ def survey(
     case, at = run.case, run.times
     if window is None:
         window = (float(at[-1] - WINDOW_SHARE * (at[-1] - at[0])), float(at[-1]))
-    places = tuple(stations) or tuple(
+    places = tuple(dict.fromkeys(stations)) or tuple(
         k * floor_length(case) / (STATIONS + 1) for k in range(1, STATIONS + 1)
     )
     wanted = {0, len(at) - 1, *(int(np.argmin(np.abs(at - time))) for time in times)}
@@ -141,6 +141,8 @@ def survey(
 def _gone(run: Run, time: float) -> tuple[float, float]:
     """Return the volume that has left a run until a time, and of the grains in it, m3 or m2."""
     history, ways = run.history, ("out", "through_wall")
+    if history["time"].size == 0:
+        return 0.0, 0.0  # it has not started
     count = sum(history[f"particles_{way}_{phase}"] for way in ways for phase in PHASES)
     grains = sum(history[f"sediment_volume_{way}"] for way in ways)
     volumes = particle_volume(run.case) * count, grains

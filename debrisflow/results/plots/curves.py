@@ -198,5 +198,6 @@ def budget_figure(found: Survey) -> Figure:
     energy.set(ylabel=f"energy, J{per}", xlabel="time, s")
     force.set(ylabel=f"force along x, N{per}", xlabel="time, s")
     for one in (mass, closure, energy, force):
-        one.legend(loc="best")
+        if one.get_legend_handles_labels()[1]:
+            one.legend(loc="best")
     return figure

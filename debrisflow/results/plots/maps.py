@@ -143,9 +143,10 @@ def mapped(
         x, y = (0.5 * (edges[:-1] + edges[1:]) for edges in (grid.along, grid.across))
         if contours and min(field.shape) >= 2 and greatest > 0.0:
             levels = np.linspace(0.0, greatest, LEVELS + 1)[1:-1:2]
-            axes.contour(
-                x, y, np.ma.masked_invalid(field).T, levels, colors="black", linewidths=0.4
-            )
+            levels = levels[(levels > np.nanmin(field)) & (levels < np.nanmax(field))]
+            if levels.size:  # none crosses what is nearly even
+                filled = np.ma.masked_invalid(field).T
+                axes.contour(x, y, filled, levels, colors="black", linewidths=0.4)
     axes.set(aspect="equal", ylabel="y, m")
     axes.grid(False)
 

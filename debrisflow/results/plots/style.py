@@ -44,6 +44,7 @@ SETTINGS: Any = {
     "legend.fontsize": 7,
     "legend.framealpha": 0.8,
     "axes.titlesize": 8,
+    "text.parse_math": False,  # titles and names are people's own
 }
 
 
