@@ -51,8 +51,8 @@ def front_figure(found: Survey, given: Sequence[Reference]) -> Figure:
         place.plot(table["time"], table[f"front_{name}"], color=color, label=name)
         place.plot(table["time"], table[f"outer_front_{name}"], ":", color=color)
         speed.plot(table["time"], table[f"speed_{name}"], color=color, label=name)
-    place.plot([], [], "-", color=GRAY, label="99.5 % of the volume")
-    place.plot([], [], ":", color=GRAY, label="99.9 %")
+    place.plot([], [], "-", color="black", label="99.5 % of the volume")
+    place.plot([], [], ":", color="black", label="99.9 %")
     history = found.run.history
     known = [(arrival(history["time"], history["front_all"], x), x) for x in found.stations]
     place.plot(*zip(*known, strict=True), "o", ms=3, color="black", label="arrival at a station")

@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from debrisflow.grid import Grid
 from debrisflow.results.deposition import Deposition
 from debrisflow.results.plots.curves import legend
-from debrisflow.results.plots.style import BLUE, GRAY, ORANGE, RED, panels, sequence
+from debrisflow.results.plots.style import (
+    BLUE,
+    GRAY,
+    MATTER_COLORS,
+    ORANGE,
+    RED,
+    panels,
+    sequence,
+)
 from debrisflow.results.references import Reference
 from debrisflow.results.survey import Survey
 
@@ -29,24 +37,30 @@ def deposit_figure(found: Survey, given: Sequence[Reference]) -> Figure:
 
 
 def _deposit_profiles(found: Survey, given: Sequence[Reference]) -> Figure:
-    figure, (height, change) = panels(2, height=2.6, sharex=True)
     deposits, last = found.deposits, found.deposits[-1]
-    x = last.grid.x
-    if last.table["initial_bed"].any():
+    has_bed = bool(last.table["initial_bed"].any())
+    figure, axes = panels(3 if has_bed else 2, height=2.2, sharex=True)
+    height, matter, x = axes[0], axes[1], last.grid.x
+    if has_bed:
         height.plot(x, last.table["initial_bed"], "--", color=GRAY, label="initial bed")
+        axes[2].axhline(0.0, color=GRAY, lw=0.8)
+        axes[2].set_ylabel("deposit less initial bed, m\n(erosion < 0)")
     for one, color in zip(deposits, sequence(len(deposits)), strict=True):
         height.plot(x, one.table["deposit_height"], color=color, label=_at(one))
-        change.plot(x, one.table["bed_change"], color=color, label=_at(one))
+        if has_bed:
+            axes[2].plot(x, one.table["bed_change"], color=color, label=_at(one))
     height.plot(x, last.table["flow_height"], ":", color=BLUE, label=f"flow, {_at(last)}")
+    for name, shade in MATTER_COLORS.items():
+        matter.plot(x, last.table[f"{name}_depth"], color=shade, label=f"{name}, {_at(last)}")
     for reference in given:
         if reference.abscissa == "x":
             for name in reference.curves:
                 values = reference.table["x"], reference.table[name]
                 height.plot(*values, "k--", label=f"{reference.name}: {name}")
-    change.axhline(0.0, color=GRAY, lw=0.8)
-    height.set_ylabel("height of the deposit\nover the fixed floor, m")
-    change.set(xlabel="x, m", ylabel="deposit less initial bed, m\n(erosion < 0)")
-    legend(height, change)
+    height.set_ylabel("deposit over\nthe fixed floor, m")
+    matter.set_ylabel("volume over area, m")
+    axes[-1].set_xlabel("x, m")
+    legend(*axes)
     return figure
 
 
