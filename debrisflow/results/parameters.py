@@ -32,7 +32,7 @@ class Parameter(NamedTuple):
     @property
     def told(self) -> str:
         """Return the value with its unit."""
-        value = self.value
+        value = self.value or None if isinstance(self.value, tuple) else self.value
         if value is None or isinstance(value, bool):
             return {None: "none", True: "yes", False: "no"}[value]
         if isinstance(value, float):
