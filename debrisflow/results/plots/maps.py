@@ -124,11 +124,8 @@ def mapped(
         axes.figure.colorbar(mesh, cax=beside, label=label, extend="max")
         x, y = (0.5 * (edges[:-1] + edges[1:]) for edges in (grid.along, grid.across))
         if contours and min(field.shape) >= 2 and greatest > 0.0:
-            drawn = np.nan_to_num(field)
             levels = np.linspace(0.0, greatest, LEVELS + 1)[1:-1:2]
-            levels = levels[levels > drawn.min()]
-            if levels.size:  # none crosses what is nearly even
-                axes.contour(x, y, drawn.T, levels, colors="black", linewidths=0.4)
+            axes.contour(x, y, np.nan_to_num(field).T, levels, colors="black", linewidths=0.4)
     axes.set(aspect="equal", ylabel="y, m")
     axes.grid(False)
 
