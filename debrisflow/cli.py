@@ -189,6 +189,9 @@ def postprocess(
     from debrisflow.results.references import read_reference
     from debrisflow.results.survey import survey
 
+    if window is not None and window[0] > window[1]:
+        wrong = f"{window[0]:g},{window[1]:g} ends before it starts"
+        raise click.BadParameter(wrong, param_hint="--window")
     given = [read_reference(path) for path in references]
     found = survey(open_run(folder), stations, window, times)
     written, told = postprocess(found, given)

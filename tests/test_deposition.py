@@ -11,7 +11,6 @@ from tests.recording import cells, channel3d_case, channel_case, placed
 D0 = 0.02
 ROWS = 40  # of a heap
 SLOPE = 0.25  # of its flanks
-BEND = np.radians(12.0)
 
 
 def frame_of(particles, time=0.0):
@@ -115,9 +114,9 @@ def test_a_surface_that_is_level_in_truth_has_no_gradient():
 RUN_OUT = {"runout_start": 1.0, "runout_slope": 4.0}  # which 16 degrees bend by 12
 
 
-def on_the_run_out(position, bend=BEND):
+def on_the_run_out(position):
     """Return positions over a horizontal floor turned about the origin onto the run-out."""
-    along, up = position[:, 0].copy(), position[:, 1].copy()
+    bend, along, up = np.radians(12.0), position[:, 0], position[:, 1]
     turned = np.zeros_like(position)
     turned[:, 0] = 1.0 + along * np.cos(bend) - up * np.sin(bend)
     turned[:, 1] = along * np.sin(bend) + up * np.cos(bend)

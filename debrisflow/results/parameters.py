@@ -32,7 +32,7 @@ class Parameter(NamedTuple):
     @property
     def told(self) -> str:
         """Return the value with its unit."""
-        value = self.value
+        value = self.value or None if isinstance(self.value, tuple) else self.value
         if value is None or isinstance(value, bool):
             return {None: "none", True: "yes", False: "no"}[value]
         if isinstance(value, float):
@@ -40,7 +40,7 @@ class Parameter(NamedTuple):
         elif isinstance(value, tuple):
             text = ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in value)
         else:
-            text = str(value)
+            text = str(value) or "none"
         return text if self.unit == NONE else f"{text} {self.unit}"
 
 

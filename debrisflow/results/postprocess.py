@@ -81,7 +81,7 @@ def _write_tables(
         "width": " over its wetted width" if dimension == 3 else "",
     }
     start, end = found.window
-    inside = (found.fronts["time"] >= start) & (found.fronts["time"] <= end)
+    inside = stations.is_within(found.fronts["time"], found.window)
     window: dict[str, object] = {"frames": int(inside.sum()), "start": start, "end": end}
     written: list[tuple[str, Sequence[str], Table]] = [
         ("front", FRONT_HEAD, found.fronts),

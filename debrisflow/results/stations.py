@@ -137,7 +137,7 @@ def mean_profiles(
     """
     up, d0 = UP[case.dimension], case.particles.spacing
     names = ("station", up, *QUANTITIES, "samples", "shear_rate", "y_over_h", "u_over_us")
-    inside = (profiles["time"] >= window[0]) & (profiles["time"] <= window[1])
+    inside = is_within(profiles["time"], window)
     stations = np.unique(profiles["station"][inside])
     frames = max(1, np.unique(profiles["time"][inside]).size)
     groups = [inside] if pooled and stations.size else []
@@ -161,6 +161,18 @@ def mean_profiles(
     empty = [np.empty(0) for _ in names]
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)] if parts else empty
     return dict(zip(names, columns, strict=True))
+
+
+def is_within(time: Floats, window: tuple[float, float]) -> NDArray[np.bool_]:
+    """Return which times are in a window; a frame that rounding puts beside its ends is.
+
+    Examples
+    --------
+    >>> is_within(0.1 * np.arange(5), (0.1, 0.3))
+    array([False,  True,  True,  True, False])
+    """
+    rounding = 1e-9 * max(abs(window[0]), abs(window[1]))
+    return (time >= window[0] - rounding) & (time <= window[1] + rounding)
 
 
 def _particles_of_a_full_layer(case: tables.Case) -> float:

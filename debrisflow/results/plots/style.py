@@ -84,8 +84,7 @@ def save(figure: Figure, path: Path, title: str, captions: Sequence[str]) -> Pat
 
 def sequence(count: int) -> list[tuple[float, float, float, float]]:
     """Return colors for curves in an order, from dark to light."""
-    shades = np.linspace(0.0, 0.85, count) if count > 1 else [0.0]
-    return [mpl.colormaps["viridis"](shade) for shade in shades]
+    return [mpl.colormaps["viridis"](shade) for shade in np.linspace(0.0, 0.85, count)]
 
 
 def caption(run: Run) -> str:

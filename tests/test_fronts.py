@@ -1,0 +1,179 @@
+"""Fronts, arrivals and mobility of what is placed where it is known."""
+
+import numpy as np
+import pytest
+
+from debrisflow.particles import Kind
+from debrisflow.results.answers import answers
+from debrisflow.results.fronts import arrival, front_table
+from tests.recording import (
+    cells,
+    channel3d_case,
+    channel_case,
+    placed,
+    sliding,
+    state_of,
+    surveyed,
+)
+
+D0 = 0.02
+
+
+def figures(found):
+    """Return the answers of a survey by quantity."""
+    return {row.quantity: row.value for row in answers(found)}
+
+
+def rotated(x, y, slope):
+    """Return the true horizontal and vertical place of a point over a slope, degrees."""
+    angle = np.radians(slope)
+    return x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)
+
+
+@pytest.mark.parametrize(("count", "ahead", "outer_ahead"), [(1000, 5, 1), (2000, 10, 2)])
+def test_the_fronts_leave_their_share_of_the_particles_ahead(tmp_path, count, ahead, outer_ahead):
+    case = channel_case(length=44.0)
+    state = state_of(case, placed(case, cells(case, range(count), [0]), velocity=1.0))
+    fronts = surveyed(tmp_path, case, [state]).fronts
+    assert fronts["front_all"] == pytest.approx((count - ahead - 0.5) * D0)
+    assert fronts["outer_front_all"] == pytest.approx((count - outer_ahead - 0.5) * D0)
+    assert np.isnan(fronts["speed_all"]).all()
+
+
+def test_every_phase_has_its_own_front_and_what_rests_has_none(tmp_path):
+    case = channel_case()
+    position = cells(case, range(180), [0])
+    kind = np.full(180, Kind.MIXTURE)
+    kind[:60], kind[60:100] = Kind.LIQUID, Kind.SEDIMENT
+    velocity = np.where(np.arange(180) < 90, 1.0, 0.0)
+    state = state_of(case, placed(case, position, kind, velocity))
+    fronts = surveyed(tmp_path, case, [state]).fronts
+    assert fronts["front_liquid"] == pytest.approx(59.5 * D0)
+    assert fronts["front_sediment"] == pytest.approx(89.5 * D0)
+    assert np.isnan(fronts["front_mixture"]).all()
+    assert fronts["front_all"] == pytest.approx(89.5 * D0)
+
+
+@pytest.fixture(scope="module")
+def block(tmp_path_factory):
+    """Return the survey of a block that slides at 1.5 m/s, with its foremost particle at 0.49 m."""
+    case = channel_case()
+    particles = placed(case, cells(case, range(25), range(6)), velocity=1.5)
+    states = sliding(case, particles, np.arange(0.0, 1.05, 0.1))
+    return surveyed(tmp_path_factory.mktemp("block"), case, states, (0.3, 1.0, 1.75, 3.0))
+
+
+def test_the_front_of_a_block_has_the_speed_of_the_block(block):
+    np.testing.assert_allclose(block.fronts["front_all"], 0.49 + 1.5 * block.fronts["time"])
+    for name in ("speed_mixture", "speed_all"):
+        np.testing.assert_allclose(block.fronts[name], 1.5)
+    assert figures(block)["front_speed_greatest"] == pytest.approx(1.5)
+
+
+def test_a_block_arrives_at_stations_when_its_front_does(block):
+    found = figures(block)
+    assert found["arrival_at_0.3_m"] == 0.0
+    assert found["arrival_at_1_m"] == pytest.approx((1.0 - 0.49) / 1.5)
+    assert found["arrival_at_1.75_m"] == pytest.approx((1.75 - 0.49) / 1.5)
+    assert np.isnan(found["arrival_at_3_m"])
+
+
+def test_the_farthest_front_is_where_the_flow_turned_back(tmp_path):
+    case = channel_case()
+    places = [0.0, 0.6, 1.0, 0.8]
+
+    def states():
+        for k, x in enumerate(places):
+            particles = placed(case, cells(case, range(25), range(4)), velocity=1.0)
+            particles.position[:, 0] += x
+            yield state_of(case, particles, 0.1 * k)
+
+    found = figures(surveyed(tmp_path, case, states()))
+    assert found["front_farthest"] == pytest.approx(0.49 + 1.0)
+    assert found["front_farthest_time"] == pytest.approx(0.2)
+
+
+def test_a_front_that_retreats_has_a_negative_speed():
+    rows = [(0.1 * k, *[x] * 8) for k, x in enumerate((1.0, 1.2, 1.1))]
+    np.testing.assert_allclose(front_table(rows)["speed_all"], [2.0, 0.5, -1.0])
+
+
+def test_without_samples_nothing_arrives():
+    assert np.isnan(arrival(np.empty(0), np.empty(0), 1.0))
+    assert np.isnan(arrival(np.array([0.0, 1.0]), np.full(2, np.nan), 1.0))
+
+
+@pytest.mark.parametrize("slope", [0.0, 18.0, 35.0])
+def test_fall_and_travel_of_a_block_on_an_incline(tmp_path, slope):
+    case = channel_case(slope=slope)
+    particles = placed(case, cells(case, range(10, 30), range(15)), velocity=2.0)
+    found = surveyed(tmp_path, case, sliding(case, particles, [0.0, 0.5, 1.0])).mobility
+    # the upper left particle is d0 / 2 below the top of the block; the toe is on the floor
+    source = rotated(10.5 * D0, 15 * D0, slope)
+    toe = rotated(29.5 * D0 + 2.0, 0.0, slope)
+    assert found.toe == pytest.approx(29.5 * D0 + 2.0)
+    assert found.time == 1.0
+    assert found.runout == pytest.approx(19.0 * D0 + 2.0)
+    assert found.travel == pytest.approx(toe[0] - source[0])
+    assert found.fall == pytest.approx(source[1] - toe[1])
+    expected = (source[1] - toe[1]) / (toe[0] - source[0])
+    assert found.equivalent_friction == pytest.approx(expected)
+
+
+def test_a_long_slide_has_the_friction_of_its_slope(tmp_path):
+    case = channel_case(length=400.0, slope=20.0)
+    particles = placed(case, cells(case, range(5), range(3)), velocity=390.0)
+    found = surveyed(tmp_path, case, sliding(case, particles, [0.0, 1.0])).mobility
+    assert found.equivalent_friction == pytest.approx(np.tan(np.radians(20.0)), rel=1e-3)
+
+
+def test_fall_and_travel_in_three_dimensions_are_those_along_the_channel(tmp_path):
+    case = channel3d_case(slope=25.0)
+    d0 = case.particles.spacing
+    particles = placed(case, cells(case, range(4, 12), range(8), range(6)), velocity=1.0)
+    found = surveyed(tmp_path, case, sliding(case, particles, [0.0, 1.0])).mobility
+    source = rotated(4.5 * d0, 6 * d0, 25.0)
+    # of 384 particles two may be ahead; they stand in the foremost row
+    toe = rotated(11.5 * d0 + 1.0, 0.0, 25.0)
+    assert found.fall == pytest.approx(source[1] - toe[1])
+    assert found.travel == pytest.approx(toe[0] - source[0])
+
+
+def test_a_toe_on_a_run_out_is_on_its_floor(tmp_path):
+    shape = {"runout_start": 2.0, "runout_slope": 5.0}
+    case = channel_case(slope=20.0, shape=shape)
+    particles = placed(case, cells(case, range(10), range(10)), velocity=2.8)
+    found = surveyed(tmp_path, case, sliding(case, particles, [0.0, 1.0])).mobility
+    toe_x = 9.5 * D0 + 2.8
+    toe = rotated(toe_x, (toe_x - 2.0) * np.tan(np.radians(15.0)), 20.0)
+    source = rotated(0.5 * D0, 10 * D0, 20.0)
+    assert found.fall == pytest.approx(source[1] - toe[1])
+    assert found.travel == pytest.approx(toe[0] - source[0])
+
+
+def test_the_source_of_a_supply_is_its_top_at_the_inflow(tmp_path):
+    inflow = {"depth": 0.1, "velocity": 1.0}
+    case = channel_case(slope=30.0, inflow=inflow)
+    particles = placed(case, cells(case, range(10), range(5)), Kind.LIQUID, 2.0)
+    found = surveyed(tmp_path, case, sliding(case, particles, [0.0, 1.0])).mobility
+    source, toe = rotated(0.0, 0.1, 30.0), rotated(9.5 * D0 + 2.0, 0.0, 30.0)
+    assert found.runout == pytest.approx(9.5 * D0 + 2.0)
+    assert found.fall == pytest.approx(source[1] - toe[1])
+    assert found.travel == pytest.approx(toe[0] - source[0])
+
+
+def test_without_gravity_there_is_a_run_out_but_no_fall(tmp_path):
+    case = channel_case(gravity={"acceleration": 0.0})
+    particles = placed(case, cells(case, range(10), range(5)), velocity=1.0)
+    found = surveyed(tmp_path, case, sliding(case, particles, [0.0, 1.0])).mobility
+    assert found.runout == pytest.approx(9.0 * D0 + 1.0)
+    assert np.isnan([found.fall, found.travel, found.equivalent_friction]).all()
+
+
+def test_what_never_moves_has_no_mobility(tmp_path):
+    case = channel_case()
+    state = state_of(case, placed(case, cells(case, range(10), range(5))))
+    found = surveyed(tmp_path, case, [state])
+    assert np.isnan([*found.mobility, found.mobility.equivalent_friction]).all()
+    told = figures(found)
+    assert np.isnan([told["front_farthest"], told["runout_length"], told["fall_height"]]).all()
