@@ -135,6 +135,52 @@ def postprocess(folder: Path) -> None:
         click.echo(f"section {name}: {told}")
 
 
+def _numbers(count: int | None = None) -> Any:
+    """Return a callback that reads numbers separated by commas: so many, or any number of them."""
+
+    def read(ctx: click.Context, option: click.Parameter, text: str | None) -> list[float] | None:
+        if text is None:
+            return None
+        try:
+            numbers = [float(word) for word in text.split(",")]
+        except ValueError:
+            raise click.BadParameter(f"{text!r} is no list of numbers, such as 0,2.5") from None
+        if count is not None and len(numbers) != count:
+            raise click.BadParameter(f"needs {count} numbers, got {len(numbers)}")
+        return numbers
+
+    return read
+
+
+@main.command()
+@_results
+@click.option(
+    "--by",
+    type=click.Choice(["kind", "speed", "concentration", "pressure", "granular_temperature"]),
+    help="What the colors say; if left out the kind where there are several, else the speed.",
+)
+@click.option(
+    "--times",
+    metavar="T,T,...",
+    callback=_numbers(),
+    help="Times of the panels, s; six evenly spread ones if left out.",
+)
+@click.option(
+    "--window",
+    metavar="X0,X1,Y0,Y1",
+    callback=_numbers(4),
+    help="Part of a run in two dimensions, m; all if left out.",
+)
+def render(
+    folder: Path, by: str | None, times: list[float] | None, window: list[float] | None
+) -> None:
+    """Draw pictures and an animation of the particles of the run in the folder RUN."""
+    from debrisflow.results.render import render
+
+    for path in render(folder, by, times, window):
+        click.echo(f"wrote {path}")
+
+
 @main.command()
 def schema() -> None:
     """Print the JSON schema of a case file, from which editors complete."""
