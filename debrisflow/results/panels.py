@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from debrisflow.case import tables
-from debrisflow.geometry import floor_level, height_over_floor
+from debrisflow.geometry import floor_bend, floor_level, height_over_floor
 from debrisflow.grid import Grid, floor_length, plan, wrapped
 from debrisflow.lattice import reference
 from debrisflow.measures import deposit_profile
@@ -44,11 +44,12 @@ Floats = NDArray[np.float64]
 Pixels = tuple[int, int]
 MARGIN = 2.0  # spacings around the space
 FINER = 2  # pixels of VTK a pixel of the page, along each axis: smooth edges
-LOWEST_PANEL = 2.2  # cm; a flatter panel is stretched upward
+LOWEST_PANEL = 1.7  # cm; a flatter panel is stretched upward
 STRETCHES = (1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, 50)
 # from what is seen to the eye: along the flow, across, and against gravity
 TOWARD_EYE = (0.45, -1.0, 0.75)
 FREE = 0.03  # share of a perspective that is left free at each side
+ROUND_STEPS = [1, 2, 2.5, 5, 10]
 LINE, SOLID = "#333333", "#9a9a9a"
 HALO: list[AbstractPathEffect] = [withStroke(linewidth=2.0, foreground="white")]
 # Share of the particles of a frame that may be above what a picture shows, drops
@@ -76,7 +77,7 @@ class Extent(NamedTuple):
     Attributes
     ----------
     top : float
-        Along the upward axis.
+        Along the upward axis, a run-out straightened.
     depth : float
         Over the floor.
     """
@@ -94,7 +95,7 @@ def extent_of(case: tables.Case, frame: Frame) -> Extent:
     x, level = position[:, 0], position[:, up]
     inside = (x > 0.0) & (x < floor_length(case))
     height = height_over_floor(case, x, level, x)[inside]
-    share = 1.0 - DROPS
+    share, level = 1.0 - DROPS, straightened(case, x, level)
     depth = float(np.quantile(height, share)) if height.size else 0.0
     return Extent(float(np.quantile(level, share)) + 0.5 * d0, max(depth, 0.0) + 0.5 * d0)
 
@@ -104,14 +105,33 @@ def highest(extents: Sequence[Extent]) -> Extent:
     return Extent(*np.max(extents, axis=0).tolist())
 
 
+def straightened(case: tables.Case, x: Floats, level: Floats) -> Floats:
+    """Return levels as if a run-out went on without its bend: heights along its normal, m.
+
+    Parameters
+    ----------
+    case : Case
+    x, level : (n,) array, m
+    """
+    bend = floor_bend(case, x)
+    start = getattr(case.geometry, "runout_start", None) or 0.0
+    straight: Floats = (level - np.tan(bend) * (x - start)) * np.cos(bend)
+    return straight
+
+
 def side_window(case: tables.Case, extent: Extent) -> Window:
     """Return what a side view shows: the floor with its ends, and the flow."""
     margin = MARGIN * case.particles.spacing
-    profile = np.array(floor_profile(case))
-    bottom, ground = profile[:, 1].min(), profile[:, 1].max()
-    top = max(extent.top, ground)
+    level = straight_profile(case)[:, 1]
+    bottom, top = level.min(), max(extent.top, level.max())
     free = max(margin, 0.08 * (top - bottom))
     return Window(-margin, floor_length(case) + margin, bottom - margin, top + free)
+
+
+def straight_profile(case: tables.Case) -> Floats:
+    """Return the corners of the floor, a run-out straightened, (n, 2) array, m."""
+    x, level = np.array(floor_profile(case)).T
+    return np.column_stack([x, straightened(case, x, level)])
 
 
 class SidePanels:
@@ -132,7 +152,11 @@ class SidePanels:
         enough = (s for s in STRETCHES if s * natural >= LOWEST_PANEL)
         self.stretch = next(enough, STRETCHES[-1])
         self.aspect = self.stretch * window.height / window.width
-        self.remark = f"heights stretched {self.stretch} times" if self.stretch > 1 else ""
+        remarks = [f"heights stretched {self.stretch} times"] if self.stretch > 1 else []
+        bend = getattr(case.geometry, "runout_start", None)
+        if bend is not None:
+            remarks.append(f"floor beyond its bend at x = {bend:g} m drawn straight")
+        self.bend, self.remark = bend, ", ".join(remarks)
         self._view: SectionView | None = None
 
     def draw(self, axes: Axes, frame: Frame, scale: Scale, pixels: Pixels) -> None:
@@ -142,19 +166,26 @@ class SidePanels:
         position = wrapped(self.case, frame.position)
         depth = position[:, 1] if up == 2 else np.zeros(len(position))
         solid = (frame.kind == Kind.WALL) | (frame.kind == Kind.DUMMY)
-        tiles = Tiles(position[:, 0], position[:, up], depth, scale.colors(frame), solid)
+        x, level = position[:, 0], straightened(self.case, position[:, 0], position[:, up])
+        tiles = Tiles(x, level, depth, scale.colors(frame), solid)
         _show(axes, self._view.picture(tiles), self.window)
-        axes.set_ylabel(f"{'xyz'[up]} (m)", fontsize=SMALL, labelpad=2)
+        word = f"{'xyz'[up]} (m)" if self.bend is None else "height (m)"
+        axes.set_ylabel(word, fontsize=SMALL, labelpad=2)
+        if self.bend is not None:
+            axes.axvline(self.bend, color=LINE, linewidth=0.7, linestyle=":")
         if up == 2:
             self._draw_surroundings(axes)
 
     def _draw_surroundings(self, axes: Axes) -> None:
-        profile = np.array(floor_profile(self.case))
-        axes.plot(*profile.T, color=LINE, linewidth=1.2, clip_on=False)
+        x, level = straight_profile(self.case).T
+        axes.plot(x, level, color=LINE, linewidth=0.9)
+        axes.fill_between(x, level, self.window.bottom, color=SOLID, linewidth=0.0)
         for x in closed_ends(self.case):
-            foot = np.interp(x, *profile.T)
-            axes.plot([x, x], [foot, self.window.top], color=LINE, linewidth=1.2)
-        faces = [face[:, [0, 2]] for body in obstacle_faces(self.case) for face in body]
+            axes.plot([x, x], [0.0, self.window.top], color=LINE, linewidth=0.9)
+        faces = []
+        for face in (face for body in obstacle_faces(self.case) for face in body):
+            x, level = face[:, 0], straightened(self.case, face[:, 0], face[:, 2])
+            faces.append(np.column_stack([x, level]))
         axes.add_collection(
             PolyCollection(faces, facecolors=SOLID, edgecolors=SOLID, linewidths=0.5, alpha=0.6)
         )
@@ -189,7 +220,8 @@ class PlanPanels:
         self.in_centimeters = greatest >= 0.02
         self.levels = self._levels(float(greatest))
         unit = "cm" if self.in_centimeters else "mm"
-        self.remark = f"contours: height of the deposit in {unit}" if self.levels.size else ""
+        drawn = f"contours: height of the deposit in {unit}"
+        self.remark = drawn if self.levels.size else "no deposit as thick as a particle"
 
     def _levels(self, greatest: float) -> Floats:
         """Return heights of contours, m; none below a spacing, which a single layer has."""
@@ -241,7 +273,7 @@ class PlanPanels:
 
     def _draw_surroundings(self, axes: Axes) -> None:
         for (x0, y0), (x1, y1) in plan_outlines(self.case):
-            axes.plot([x0, x1], [y0, y1], color=LINE, linewidth=1.2)
+            axes.plot([x0, x1], [y0, y1], color=LINE, linewidth=0.9)
         faces = [face[:, :2] for body in obstacle_faces(self.case) for face in body]
         axes.add_collection(
             PolyCollection(faces, facecolors=SOLID, edgecolors=LINE, linewidths=0.3)
@@ -261,7 +293,7 @@ def ticks(start: float, end: float) -> Floats:
     >>> ticks(0.0, 4.0)
     array([0., 1., 2., 3., 4.])
     """
-    found = np.asarray(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]).tick_values(start, end))
+    found = np.asarray(MaxNLocator(5, steps=ROUND_STEPS).tick_values(start, end))
     inside: Floats = found[(found >= start) & (found <= end)]
     return inside
 
@@ -336,17 +368,17 @@ class PerspectivePanels:
         """Write x along the nearer edge of the floor."""
         length = floor_length(self.case)
         marks = ticks(0.0, length)
-        front = np.array([edges_across(self.case, x)[0] for x in marks])
+        front = np.array([edges_across(self.case, x + 1e-9)[0] for x in marks])
         level = floor_level(self.case, marks)
         foot = self.camera.seen(np.column_stack([marks, front, level]))
         for (x, y), mark in zip(foot, marks, strict=True):
-            word = f"x = {mark:g} m" if mark == 0.0 else f"{mark:g}"
+            word = f"x = {mark:g} m" if mark == marks[-1] else f"{mark:g}"
             axes.annotate(
                 word,
                 (x, y),
-                xytext=(0, -4),
+                xytext=(-3, -3),
                 textcoords="offset points",
-                ha="center",
+                ha="right",
                 va="top",
                 fontsize=SMALL - 1.0,
                 path_effects=HALO,
@@ -374,4 +406,4 @@ def _show(axes: Axes, image: NDArray[np.uint8], window: Window) -> None:
     axes.imshow(image, extent=window, aspect="auto")
     axes.set_xlim(window.left, window.right)
     axes.set_ylim(window.bottom, window.top)
-    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.yaxis.set_major_locator(MaxNLocator(4, steps=ROUND_STEPS))

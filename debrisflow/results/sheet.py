@@ -21,7 +21,7 @@ TALLEST_PAGE = 23.0
 TALLEST_PANEL = 11.0
 MOST_COLUMNS = 3
 CENTIMETERS_PER_INCH = 2.54
-HEADING, KEY, ABOVE, BELOW, LABEL, RIGHT = 1.15, 1.3, 0.5, 0.15, 0.75, 0.35
+HEADING, KEY, ABOVE, BELOW, LABEL, RIGHT = 1.15, 1.55, 0.5, 0.15, 0.75, 0.35
 TEXT, SMALL = 8.0, 7.0
 
 
@@ -131,7 +131,7 @@ class Sheet:
 
     def add_scale(self, scale: Scale) -> None:
         """Draw the color bar of a field."""
-        place = (0.25, 0.72 / self.plan.page, 0.5, 0.25 / self.plan.page)
+        place = (0.25, 1.05 / self.plan.page, 0.5, 0.25 / self.plan.page)
         axes = self.figure.add_axes(place)
         values = ScalarMappable(Normalize(scale.low, scale.high), colormaps[COLOR_MAP])
         bar = self.figure.colorbar(values, cax=axes, orientation="horizontal", extend="max")
@@ -144,7 +144,7 @@ class Sheet:
         self.figure.legend(
             handles=patches,
             loc="center",
-            bbox_to_anchor=(0.5, 0.6 / self.plan.page),
+            bbox_to_anchor=(0.5, 0.65 / self.plan.page),
             ncols=len(patches),
             frameon=False,
             fontsize=TEXT,

@@ -14,6 +14,8 @@ from debrisflow.results.scene import Scene
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8]
 ROUND = 10  # corners of a disk
+# Radii, in spacings, of a disk and of a sphere as large as what a particle stands for
+DISK, SPHERE = np.sqrt(1.0 / np.pi), np.cbrt(0.75 / np.pi)
 OPENING = 24.0  # angle of the camera, degrees; a wide one would distort a flume
 FLOOR, WALL, OBSTACLE, EDGE = "#dddddd", "#c9d3da", "#7f7f7f", "#444444"
 
@@ -47,7 +49,7 @@ class Tiles(NamedTuple):
         Distance from the eye, up to a constant: the nearer particle covers the other.
     color : (n, 3) uint8 array
     square : (n,) bool array
-        Drawn as a square of one spacing, a disk otherwise.
+        Drawn as a square of one spacing, otherwise as a disk of the same area.
     """
 
     right: Floats
@@ -66,7 +68,7 @@ class SectionView:
     pixels : (int, int)
         Width and height of the picture.
     spacing : float, m
-        Diameter of the particles, stretched as the picture is.
+        Of the particles; they are stretched as the picture is.
     """
 
     def __init__(self, window: Window, pixels: tuple[int, int], spacing: float) -> None:
@@ -102,7 +104,7 @@ class SectionView:
     def _polygons(self, corners: int, center: Floats, nearness: Floats) -> pyvista.PolyData:
         """Return a regular polygon a particle, in pixels; of 4 corners one whose sides are d0."""
         angle = 2.0 * np.pi * (np.arange(corners) + 0.5) / corners
-        reach = np.sqrt(0.5) if corners == 4 else 0.5
+        reach = np.sqrt(0.5) if corners == 4 else DISK
         spokes = reach * self.spacing * np.column_stack([np.cos(angle), np.sin(angle)])
         points = np.empty((len(center), corners, 3), dtype=np.float32)
         points[:, :, :2] = (center[:, None, :] + spokes) * self.scale
@@ -178,7 +180,7 @@ class PerspectiveView:
     pixels : (int, int)
         Width and height of the picture.
     spacing : float, m
-        Diameter of the particles.
+        Of the particles.
     """
 
     def __init__(
@@ -206,12 +208,14 @@ class PerspectiveView:
                 style="points_gaussian",
                 render_points_as_spheres=True,
                 emissive=False,
+                ambient=0.6,  # so much that the colors stay those of the key
+                diffuse=0.5,
                 scalars="color",
                 rgb=True,
                 reset_camera=False,
                 render=False,
             )
-            actor.mapper.scale_factor = 0.5 * self.spacing
+            actor.mapper.scale_factor = SPHERE * self.spacing
         return _shot(self.plotter)
 
     def close(self) -> None:
