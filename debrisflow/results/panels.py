@@ -51,7 +51,8 @@ TOWARD_EYE = (0.45, -1.0, 0.75)
 FREE = 0.03  # share of a perspective that is left free at each side
 ROUND_STEPS = [1, 2, 2.5, 5, 10]
 LINE, SOLID = "#333333", "#9a9a9a"
-HALO: list[AbstractPathEffect] = [withStroke(linewidth=2.0, foreground="white")]
+APART = 11.0  # points between the labels of contours
+HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.6, foreground="white")]
 # Share of the particles of a frame that may be above what a picture shows, drops
 DROPS = 0.001
 
@@ -258,25 +259,35 @@ class PlanPanels:
             self._draw_contours(axes, self.deposit(frame))
 
     def _draw_contours(self, axes: Axes, deposit: Floats) -> None:
-        height = over_grid(self.grid, deposit)
-        if not np.nanmax(height) > self.levels[0]:
+        if not deposit.max(initial=0.0) > self.levels[0]:
             return
-        x, y = (0.5 * (edges[:-1] + edges[1:]) for edges in (self.grid.along, self.grid.across))
-        lines = axes.contour(
-            x, y, np.ma.masked_invalid(height.T), self.levels, colors="black", linewidths=0.7
+        # from wall to wall: the middle of the last cell tells of its edge too
+        height = np.pad(over_grid(self.grid, deposit), 1, mode="edge")
+        x, y = (
+            np.concatenate([edges[:1], 0.5 * (edges[:-1] + edges[1:]), edges[-1:]])
+            for edges in (self.grid.along, self.grid.across)
         )
+        table = np.ma.masked_invalid(height.T)
+        lines = axes.contour(x, y, table, self.levels, colors="black", linewidths=0.7)
         lines.set_path_effects(HALO)
         per_meter = 100.0 if self.in_centimeters else 1000.0
         words = {level: f"{level * per_meter:g}" for level in lines.levels}
-        for label in axes.clabel(lines, fmt=words, fontsize=SMALL - 1.0, inline_spacing=2):
-            label.set_path_effects(HALO)
+        kept: list[Floats] = []
+        for label in axes.clabel(lines, fmt=words, fontsize=SMALL - 0.5, inline=False):
+            place = np.asarray(axes.transData.transform(label.get_position()))
+            apart = APART * axes.figure.dpi / 72.0
+            if all(np.linalg.norm(place - other) > apart for other in kept):
+                kept.append(place)
+                label.set(path_effects=HALO, rotation=0.0)
+            else:
+                label.remove()
 
     def _draw_surroundings(self, axes: Axes) -> None:
         for (x0, y0), (x1, y1) in plan_outlines(self.case):
             axes.plot([x0, x1], [y0, y1], color=LINE, linewidth=0.9)
         faces = [face[:, :2] for body in obstacle_faces(self.case) for face in body]
         axes.add_collection(
-            PolyCollection(faces, facecolors=SOLID, edgecolors=LINE, linewidths=0.3)
+            PolyCollection(faces, facecolors=SOLID, edgecolors=SOLID, linewidths=0.3)
         )
 
     def close(self) -> None:

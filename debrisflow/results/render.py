@@ -79,8 +79,8 @@ def render(
     moving = np.unique(np.linspace(0, len(run.files) - 1, MOST_FRAMES).round().astype(int))
     require_offscreen()
 
-    read = tqdm(chosen, desc="reading frames", leave=False)
-    frames = [read_frame(*run.files[number]) for number in read]
+    numbers = tqdm(chosen, desc="reading frames", leave=False)
+    frames = [shown(run, number) for number in numbers]
     by = by or default_field(frames)
     scale = scale_of(frames, by)
     painter = Painter(run, scale, kinds_of(frames))
@@ -128,6 +128,15 @@ def choose_frames(known: NDArray[np.float64], times: Sequence[float] | None) -> 
     return sorted({int(np.argmin(np.abs(known - time))) for time in times})
 
 
+def shown(run: Run, number: int) -> Frame:
+    """Return the particles of a frame that are drawn.
+
+    In three dimensions without the waiting supply, which would stand before the end of the flume.
+    """
+    frame = read_frame(*run.files[number])
+    return frame.of(frame.kind != Kind.INFLOW) if run.case.dimension == 3 else frame
+
+
 def kinds_of(frames: Iterable[Frame]) -> set[int]:
     """Return which kinds of particles are in some frames."""
     return {int(kind) for frame in frames for kind in np.unique(frame.kind)}
@@ -146,7 +155,7 @@ def views_of(
     if window is not None:
         return [SidePanels(case, Window(*window))]
     read = tqdm(moving, desc="finding the highest flow", leave=False)
-    extents += [extent_of(case, read_frame(*run.files[number])) for number in read]
+    extents += [extent_of(case, shown(run, number)) for number in read]
     return [SidePanels(case, side_window(case, highest(extents)))]
 
 
@@ -210,7 +219,7 @@ class Painter:
         pictures: list[Image.Image] = []
         for number in tqdm(numbers, desc=f"{view.name}, animation", leave=False):
             axes.clear()
-            self.fill(axes, sheet, view, read_frame(*self.run.files[number]))
+            self.fill(axes, sheet, view, shown(self.run, number))
             sheet.label(axes, 0)
             pictures.append(Image.fromarray(sheet.image()))
         times = self.run.times[numbers]
