@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import inf, isfinite, isnan
 from pathlib import Path
 from typing import Any
 
@@ -135,21 +135,27 @@ def postprocess(folder: Path) -> None:
         click.echo(f"section {name}: {told}")
 
 
-def _numbers(count: int | None = None) -> Any:
-    """Return a callback that reads numbers separated by commas: so many, or any number of them."""
+def _numbers(ctx: click.Context, option: click.Parameter, text: str | None) -> list[float] | None:
+    """Read numbers separated by commas."""
+    if text is None:
+        return None
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = [inf]
+    if not all(map(isfinite, numbers)):
+        raise click.BadParameter(f"{text!r} is no list of numbers, such as 0,2.5")
+    return numbers
 
-    def read(ctx: click.Context, option: click.Parameter, text: str | None) -> list[float] | None:
-        if text is None:
-            return None
-        try:
-            numbers = [float(word) for word in text.split(",")]
-        except ValueError:
-            raise click.BadParameter(f"{text!r} is no list of numbers, such as 0,2.5") from None
-        if count is not None and len(numbers) != count:
-            raise click.BadParameter(f"needs {count} numbers, got {len(numbers)}")
-        return numbers
 
-    return read
+def _window(ctx: click.Context, option: click.Parameter, text: str | None) -> list[float] | None:
+    """Read the ends of a window along x and y."""
+    ends = _numbers(ctx, option, text)
+    if ends is not None and len(ends) != 4:
+        raise click.BadParameter(f"needs 4 numbers, got {len(ends)}")
+    if ends is not None and not (ends[0] < ends[1] and ends[2] < ends[3]):
+        raise click.BadParameter("must be X0 < X1 and Y0 < Y1")
+    return ends
 
 
 @main.command()
@@ -162,13 +168,13 @@ def _numbers(count: int | None = None) -> Any:
 @click.option(
     "--times",
     metavar="T,T,...",
-    callback=_numbers(),
+    callback=_numbers,
     help="Times of the panels, s; six evenly spread ones if left out.",
 )
 @click.option(
     "--window",
     metavar="X0,X1,Y0,Y1",
-    callback=_numbers(4),
+    callback=_window,
     help="Part of a run in two dimensions, m; all if left out.",
 )
 def render(

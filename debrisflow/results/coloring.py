@@ -50,11 +50,19 @@ class Scale(NamedTuple):
         ``kind`` or one of :data:`FIELDS`.
     low, high : float
         In the unit of the field.
+    greatest : float
+        Greatest value of the field.
     """
 
     by: str
     low: float = 0.0
     high: float = 1.0
+    greatest: float = 1.0
+
+    @property
+    def clipped(self) -> bool:
+        """Return whether some values are above the scale."""
+        return self.greatest > self.high
 
     def colors(self, frame: Frame) -> Colors:
         """Return the color of each particle, (n, 3) array of 0 to 255."""
@@ -108,7 +116,7 @@ def scale_of(frames: Sequence[Frame], by: str) -> Scale:
     found = found[np.isfinite(found)]
     low, high = np.percentile(found, [LOW, HIGH]) if found.size else (0.0, 0.0)
     low, high = -round_up(-min(float(low), 0.0)), round_up(max(float(high), 0.0))
-    return Scale(by, low, high if high > low else low + 1.0)
+    return Scale(by, low, high if high > low else low + 1.0, float(found.max(initial=low)))
 
 
 def round_up(value: float) -> float:

@@ -59,7 +59,8 @@ class Frame(NamedTuple):
 
     def of(self, rows: NDArray[np.bool_]) -> Frame:
         """Return some of the particles."""
-        return Frame(self.time, *(values[rows] for values in self[1:]))
+        arrays = (name for name in self._fields if name != "time")
+        return self._replace(**{name: getattr(self, name)[rows] for name in arrays})
 
 
 def read_frame(time: float, file: Path) -> Frame:

@@ -51,6 +51,7 @@ TOWARD_EYE = (0.45, -1.0, 0.75)
 FREE = 0.03  # share of a perspective that is left free at each side
 ROUND_STEPS = [1, 2, 2.5, 5, 10]
 LINE, SOLID = "#333333", "#9a9a9a"
+SLACK = 0.1  # spacings by which a contour is lower than its label
 APART = 11.0  # points between the labels of contours
 HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.6, foreground="white")]
 # Share of the particles of a frame that may be above what a picture shows, drops
@@ -145,7 +146,7 @@ class SidePanels:
     """
 
     name = "side"
-    room = 1.25
+    room = 1.4
 
     def __init__(self, case: tables.Case, window: Window) -> None:
         self.case, self.window = case, window
@@ -208,7 +209,7 @@ class PlanPanels:
     """
 
     name = "plan"
-    room = 1.25
+    room = 1.4
 
     def __init__(self, case: tables.Case, frames: Sequence[Frame]) -> None:
         self.case, self.grid = case, plan(case)
@@ -268,10 +269,13 @@ class PlanPanels:
             for edges in (self.grid.along, self.grid.across)
         )
         table = np.ma.masked_invalid(height.T)
-        lines = axes.contour(x, y, table, self.levels, colors="black", linewidths=0.7)
+        # a bed just as high as a level would have a line around each cell
+        drawn = self.levels - SLACK * self.case.particles.spacing
+        lines = axes.contour(x, y, table, drawn, colors="black", linewidths=0.7)
         lines.set_path_effects(HALO)
         per_meter = 100.0 if self.in_centimeters else 1000.0
-        words = {level: f"{level * per_meter:g}" for level in lines.levels}
+        named = zip(lines.levels, self.levels, strict=True)
+        words = {line: f"{level * per_meter:g}" for line, level in named}
         kept: list[Floats] = []
         for label in axes.clabel(lines, fmt=words, fontsize=SMALL - 0.5, inline=False):
             place = np.asarray(axes.transData.transform(label.get_position()))

@@ -58,7 +58,7 @@ class Layout(NamedTuple):
         return x / WIDTH, y / self.page, self.width / WIDTH, self.height / self.page
 
 
-def layout(panels: int, aspect: float, left: float = 1.25) -> Layout:
+def layout(panels: int, aspect: float, left: float = 1.4) -> Layout:
     """Return how panels fit on a page: below each other, or side by side where these are too tall.
 
     Parameters
@@ -83,7 +83,7 @@ def layout(panels: int, aspect: float, left: float = 1.25) -> Layout:
     return fitting
 
 
-def panel_width(left: float = 1.25) -> float:
+def panel_width(left: float = 1.4) -> float:
     """Return the width of a panel that has the page for itself, cm."""
     return WIDTH - left - RIGHT
 
@@ -134,8 +134,10 @@ class Sheet:
         place = (0.25, 1.05 / self.plan.page, 0.5, 0.25 / self.plan.page)
         axes = self.figure.add_axes(place)
         values = ScalarMappable(Normalize(scale.low, scale.high), colormaps[COLOR_MAP])
-        bar = self.figure.colorbar(values, cax=axes, orientation="horizontal", extend="max")
-        bar.set_label(f"{FIELDS[scale.by]}; above the 99th percentile one color", fontsize=SMALL)
+        extend = "max" if scale.clipped else "neither"
+        bar = self.figure.colorbar(values, cax=axes, orientation="horizontal", extend=extend)
+        note = f"; greater for 1 % of the particles, up to {scale.greatest:.3g}"
+        bar.set_label(FIELDS[scale.by] + (note if scale.clipped else ""), fontsize=SMALL)
         axes.tick_params(labelsize=SMALL, length=2.5, pad=2)
 
     def add_kinds(self, words: dict[str, str]) -> None:
