@@ -146,7 +146,7 @@ class SidePanels:
     """
 
     name = "side"
-    room = 1.4
+    room = 1.55
 
     def __init__(self, case: tables.Case, window: Window) -> None:
         self.case, self.window = case, window
@@ -209,7 +209,7 @@ class PlanPanels:
     """
 
     name = "plan"
-    room = 1.4
+    room = 1.55
 
     def __init__(self, case: tables.Case, frames: Sequence[Frame]) -> None:
         self.case, self.grid = case, plan(case)

@@ -58,7 +58,7 @@ class Layout(NamedTuple):
         return x / WIDTH, y / self.page, self.width / WIDTH, self.height / self.page
 
 
-def layout(panels: int, aspect: float, left: float = 1.4) -> Layout:
+def layout(panels: int, aspect: float, left: float = 1.55) -> Layout:
     """Return how panels fit on a page: below each other, or side by side where these are too tall.
 
     Parameters
@@ -83,7 +83,7 @@ def layout(panels: int, aspect: float, left: float = 1.4) -> Layout:
     return fitting
 
 
-def panel_width(left: float = 1.4) -> float:
+def panel_width(left: float = 1.55) -> float:
     """Return the width of a panel that has the page for itself, cm."""
     return WIDTH - left - RIGHT
 
