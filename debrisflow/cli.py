@@ -31,19 +31,21 @@ class Commands(click.Group):
             ctx.exit(INTERRUPTED)
 
 
-class Numbers(click.ParamType[tuple[float, ...]]):
+class Numbers(click.ParamType):  # type: ignore[type-arg]  # generic in the newest click alone
     """Numbers with commas between them.
 
     Parameters
     ----------
     count : int, optional
         How many there must be.
+    are_intervals : bool
+        Whether each two are the ends of an interval.
     """
 
     name = "numbers"
 
-    def __init__(self, count: int | None = None) -> None:
-        self.count = count
+    def __init__(self, count: int | None = None, are_intervals: bool = False) -> None:
+        self.count, self.are_intervals = count, are_intervals
 
     def convert(self, value: Any, *_: object) -> tuple[float, ...]:
         """Return the numbers of a text."""
@@ -57,6 +59,10 @@ class Numbers(click.ParamType[tuple[float, ...]]):
             self.fail(f"{value} is not a list of numbers with commas between them")
         if self.count is not None and len(numbers) != self.count:
             self.fail(f"{value} has {len(numbers)} numbers where {self.count} are needed")
+        if self.are_intervals and not all(
+            a < b for a, b in zip(numbers[::2], numbers[1::2], strict=True)
+        ):
+            self.fail(f"{value}: an interval must end after it starts")
         return numbers
 
 
@@ -82,7 +88,7 @@ _stations = click.option(
 )
 _window = click.option(
     "--window",
-    type=Numbers(2),
+    type=Numbers(2, are_intervals=True),
     help="Times over which profiles are averaged, s: T0,T1; the last fifth if left out.",
 )
 _references = click.option(
@@ -189,9 +195,6 @@ def postprocess(
     from debrisflow.results.references import read_reference
     from debrisflow.results.survey import survey
 
-    if window is not None and window[0] > window[1]:
-        wrong = f"{window[0]:g},{window[1]:g} ends before it starts"
-        raise click.BadParameter(wrong, param_hint="--window")
     given = [read_reference(path) for path in references]
     found = survey(open_run(folder), stations, window, times)
     written, told = postprocess(found, given)
@@ -255,6 +258,35 @@ def compare(
 def _tell_files(files: Sequence[Path]) -> None:
     for file in files:
         click.echo(f"wrote {file}")
+
+
+@main.command()
+@_results
+@click.option(
+    "--by",
+    type=click.Choice(["kind", "speed", "concentration", "pressure", "granular_temperature"]),
+    help="What the colors say; if left out the kind where there are several, else the speed.",
+)
+@click.option(
+    "--times",
+    type=Numbers(),
+    help="Times of the panels, s; six evenly spread ones if left out.",
+)
+@click.option(
+    "--window",
+    type=Numbers(4, are_intervals=True),
+    help="Part of a run in two dimensions, m: X0,X1,Y0,Y1; all if left out.",
+)
+def render(
+    folder: Path,
+    by: str | None,
+    times: tuple[float, ...] | None,
+    window: tuple[float, ...] | None,
+) -> None:
+    """Draw pictures and an animation of the particles of the run in the folder RUN."""
+    from debrisflow.results.render import render
+
+    _tell_files(render(folder, by, times, window))
 
 
 @main.command()

@@ -33,6 +33,7 @@ LOG = "run.log"
 CHECKPOINT = "checkpoint.h5"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
+PICTURES = "render"
 RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
 DERIVED = (
     "answers.csv",
@@ -258,8 +259,12 @@ def _results(path: Path) -> Iterator[Path]:
         for written in (file, file.with_name(file.name + UNFINISHED)):
             if written.is_file():
                 yield written
-    frame = re.compile(r"\d{6,}\.vtu(" + re.escape(UNFINISHED) + ")?")
-    yield from (file for file in path.glob(f"{FOLDER}/*") if frame.fullmatch(file.name))
+    for folder, name in (
+        (FOLDER, r"\d{6,}\.vtu"),
+        (PICTURES, r"(side|plan|perspective)_\w+\.(png|gif)"),
+    ):
+        ours = re.compile(f"{name}({re.escape(UNFINISHED)})?")
+        yield from (file for file in path.glob(f"{folder}/*") if ours.fullmatch(file.name))
 
 
 def _clear(path: Path, overwrite: bool) -> None:
@@ -277,6 +282,6 @@ def _clear(path: Path, overwrite: bool) -> None:
         )
     for file in results:
         file.unlink()
-    for folder in (path / FOLDER, path / PROBES, path / POSTPROCESS):
+    for folder in (path / name for name in (FOLDER, PROBES, POSTPROCESS, PICTURES)):
         if folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()

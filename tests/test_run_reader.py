@@ -241,7 +241,7 @@ class TestCommand:
             (["--times", "inf"], "not a list of numbers"),
             (["--window", "1"], "1 has 1 numbers where 2 are needed"),
             (["--window", "1,2,3"], "has 3 numbers where 2 are needed"),
-            (["--window", "2,1"], "2,1 ends before it starts"),
+            (["--window", "2,1"], "2,1: an interval must end after it starts"),
         ],
     )
     def test_numbers_that_are_none_are_a_usage_error(self, run, options, message):

@@ -57,6 +57,11 @@ class Frame(NamedTuple):
         speed: Floats = np.linalg.norm(self.velocity, axis=1)
         return speed
 
+    def of(self, rows: NDArray[np.bool_]) -> Frame:
+        """Return some of the particles."""
+        arrays = (name for name in self._fields if name != "time")
+        return self._replace(**{name: getattr(self, name)[rows] for name in arrays})
+
 
 def read_frame(time: float, file: Path) -> Frame:
     """Return the particles of a file.

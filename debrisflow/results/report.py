@@ -14,7 +14,7 @@ import numpy as np
 
 from debrisflow import __version__
 from debrisflow.atomic import replaced
-from debrisflow.output import POSTPROCESS
+from debrisflow.output import PICTURES, POSTPROCESS
 from debrisflow.results.answers import answers_by_heading
 from debrisflow.results.parameters import Parameter, parameters, summary
 from debrisflow.results.plots import DESCRIPTIONS
@@ -23,7 +23,6 @@ from debrisflow.results.references import Reference
 from debrisflow.results.survey import Survey
 
 FILE = "report.html"
-PICTURES = "render"
 RUNNING = "still running, or interrupted"
 MIB = 2**20
 LARGEST_PICTURE = 8 * MIB

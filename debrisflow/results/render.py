@@ -1,0 +1,246 @@
+"""Pictures and an animation of the particles of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+from PIL import Image
+from tqdm import tqdm
+
+from debrisflow.atomic import replaced
+from debrisflow.errors import OutputError
+from debrisflow.output import PICTURES
+from debrisflow.particles import Kind
+from debrisflow.results.coloring import KIND_COLORS, KIND_WORDS, Scale, default_field, scale_of
+from debrisflow.results.frames import Frame, read_frame
+from debrisflow.results.offscreen import require_offscreen
+from debrisflow.results.panels import (
+    Panels,
+    PerspectivePanels,
+    PlanPanels,
+    SidePanels,
+    extent_of,
+    highest,
+    side_window,
+)
+from debrisflow.results.run import Run, open_run
+from debrisflow.results.sheet import TEXT, Sheet, layout
+from debrisflow.results.views import Window
+
+PANELS = 6
+MOST_FRAMES = 100  # of an animation
+DOTS, DOTS_OF_ANIMATION = 250, 140  # per inch of a page's width
+SHORTEST, LONGEST, AT_END = 40, 250, 1500  # ms that a frame of an animation stands
+COLORS = 256  # of a GIF
+
+
+def render(
+    folder: Path,
+    by: str | None = None,
+    times: Sequence[float] | None = None,
+    window: Sequence[float] | None = None,
+) -> list[Path]:
+    """Draw the frames of a run into its folder ``render``.
+
+    In two dimensions a page of panels from the side and their animation; in three a page in
+    perspective and its animation, a page of the plan with the deposit, a page from the side.
+
+    Parameters
+    ----------
+    folder : Path
+        Of a finished or running run.
+    by : str, optional
+        What the colors say: ``kind`` or one of :data:`debrisflow.results.coloring.FIELDS`; if left
+        out the kind where there are several kinds, else the speed.
+    times : sequence of float, optional
+        Of the panels, s: the nearest frames; six evenly spread ones if left out.
+    window : sequence of four float, optional
+        Ends of x and of y that are shown, m, in two dimensions; all if left out.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds no frames or none at such times, a frame is missing or damaged, or
+        nothing can be rendered here.
+    """
+    run = open_run(folder)
+    if window is not None and run.case.dimension == 3:
+        raise OutputError("a window is for runs in two dimensions, and this one has three")
+    chosen = choose_frames(run.times, times)
+    moving = np.unique(np.linspace(0, len(run.files) - 1, MOST_FRAMES).round().astype(int))
+    require_offscreen()
+
+    numbers = tqdm(chosen, desc="reading frames", leave=False)
+    frames = [shown(run, number) for number in numbers]
+    by = by or default_field(frames)
+    scale = scale_of(frames, by)
+    painter = Painter(run, scale, kinds_of(frames))
+    target = folder / PICTURES
+    views = views_of(run, frames, moving, window)
+    written = []
+    for view in views:
+        page, file = painter.page(view, frames), target / f"{view.name}_{by}.png"
+        with replaced(file) as unfinished:
+            page.save(unfinished, format="PNG", dpi=(DOTS, DOTS))
+        written.append(file)
+        if view is views[0]:
+            file = file.with_suffix(".gif")
+            painter.animate(view, moving, file)
+            written.append(file)
+        view.close()
+    return written
+
+
+def choose_frames(known: NDArray[np.float64], times: Sequence[float] | None) -> list[int]:
+    """Return the numbers of the frames nearest to the times, without repetition.
+
+    Parameters
+    ----------
+    known : (n,) float64 array, s
+        Times of the frames.
+    times : sequence of float, optional
+        Six evenly spread ones if left out.
+
+    Examples
+    --------
+    >>> known = np.linspace(0.0, 1.0, 11)
+    >>> choose_frames(known, None), choose_frames(known, [0.52, 0.5, 1.0])
+    ([0, 2, 4, 6, 8, 10], [5, 10])
+    """
+    if times is None:
+        times = np.linspace(known[0], known[-1], PANELS).tolist()
+    slack = 0.5 * float(np.diff(known).max(initial=0.0)) + 1e-9
+    for time in times:
+        if not known[0] - slack <= time <= known[-1] + slack:
+            raise OutputError(
+                f"there is no frame at t = {time:g} s: the run has {known.size} frames "
+                f"from {known[0]:g} to {known[-1]:g} s"
+            )
+    return sorted({int(np.argmin(np.abs(known - time))) for time in times})
+
+
+def shown(run: Run, number: int) -> Frame:
+    """Return the particles of a frame that are drawn.
+
+    In three dimensions without the waiting supply, which would stand before the end of the flume.
+    """
+    frame = read_frame(*run.files[number])
+    return frame.of(frame.kind != Kind.INFLOW) if run.case.dimension == 3 else frame
+
+
+def kinds_of(frames: Iterable[Frame]) -> set[int]:
+    """Return which kinds of particles are in some frames."""
+    return {int(kind) for frame in frames for kind in np.unique(frame.kind)}
+
+
+def views_of(
+    run: Run, frames: Sequence[Frame], moving: NDArray[np.int64], window: Sequence[float] | None
+) -> list[Panels]:
+    """Return the ways to see a run, the animated one first."""
+    case = run.case
+    extents = [extent_of(case, frame) for frame in frames]
+    if case.dimension == 3:
+        extent = highest(extents)
+        side = SidePanels(case, side_window(case, extent))
+        return [PerspectivePanels(case, extent), PlanPanels(case, frames), side]
+    if window is not None:
+        return [SidePanels(case, Window(*window))]
+    read = tqdm(moving, desc="finding the highest flow", leave=False)
+    extents += [extent_of(case, shown(run, number)) for number in read]
+    return [SidePanels(case, side_window(case, highest(extents)))]
+
+
+class Painter:
+    """Pages and animations of one run in one scale of colors.
+
+    Parameters
+    ----------
+    run : Run
+    scale : Scale
+    kinds : set of int
+        Of the particles, for the legend.
+    """
+
+    def __init__(self, run: Run, scale: Scale, kinds: set[int]) -> None:
+        self.run, self.scale, self.kinds = run, scale, kinds
+        least = float(np.diff(run.times).min(initial=1.0))
+        self.decimals = max(2, int(np.ceil(-np.log10(max(least, 1e-6)))))
+
+    def sheet(self, view: Panels, panels: int, dots: int) -> Sheet:
+        """Return a page with its heading and the key of the colors."""
+        case = self.run.case
+        facts = [f"run {self.run.name}", f"particles of {1000.0 * case.particles.spacing:g} mm"]
+        if abs(case.gravity.fall) > 1e-9:
+            facts.append(f"x falls by {np.degrees(case.gravity.fall):.3g}°")
+        facts += [view.remark] if view.remark else []
+        plan = layout(panels, view.aspect, view.room)
+        sheet = Sheet(panels, plan, dots, (case.title, ", ".join(facts)))
+        if self.scale.by == "kind":
+            sheet.add_kinds(self.legend())
+        else:
+            sheet.add_scale(self.scale)
+        return sheet
+
+    def legend(self) -> dict[str, str]:
+        """Return a word for each color of the kinds that are shown."""
+        words = {KIND_COLORS[kind]: word for kind, word in KIND_WORDS.items() if kind in self.kinds}
+        if Kind.WALL in self.kinds:
+            words[KIND_COLORS[Kind.WALL]] = "walls"
+        return words
+
+    def fill(self, axes: Axes, sheet: Sheet, view: Panels, frame: Frame) -> None:
+        """Draw a frame and its time into axes."""
+        view.draw(axes, frame, self.scale, sheet.pixels)
+        time = f"t = {frame.time:.{self.decimals}f} s"
+        axes.set_title(time, fontsize=TEXT, loc="left", pad=2)
+
+    def page(self, view: Panels, frames: Sequence[Frame]) -> Image.Image:
+        """Return a page with a panel a frame."""
+        sheet = self.sheet(view, len(frames), DOTS)
+        for number, frame in enumerate(tqdm(frames, desc=f"{view.name}, panels", leave=False)):
+            axes = sheet.panel(number)
+            self.fill(axes, sheet, view, frame)
+            sheet.label(axes, number)
+        return Image.fromarray(sheet.image())
+
+    def animate(self, view: Panels, numbers: NDArray[np.int64], file: Path) -> None:
+        """Write an animation of some frames."""
+        sheet = self.sheet(view, 1, DOTS_OF_ANIMATION)
+        axes = sheet.panel(0)
+        pictures: list[Image.Image] = []
+        for number in tqdm(numbers, desc=f"{view.name}, animation", leave=False):
+            axes.clear()
+            self.fill(axes, sheet, view, shown(self.run, number))
+            sheet.label(axes, 0)
+            pictures.append(Image.fromarray(sheet.image()))
+        times = self.run.times[numbers]
+        stands = np.clip(1000.0 * np.diff(times), SHORTEST, LONGEST)
+        with replaced(file) as unfinished:
+            write_animation(unfinished, pictures, [*stands.round().astype(int).tolist(), AT_END])
+
+
+def write_animation(file: Path, pictures: Sequence[Image.Image], stands: list[int]) -> None:
+    """Write pictures as a GIF that repeats; all have one palette, so that nothing flickers.
+
+    Parameters
+    ----------
+    file : Path
+    pictures : sequence of Image
+    stands : list of int
+        How long each stands, ms.
+    """
+    # the colors of first, middle and last frame
+    samples = [pictures[k] for k in (0, len(pictures) // 2, -1)]
+    palette = Image.fromarray(np.vstack([np.asarray(sample) for sample in samples]))
+    palette = palette.quantize(COLORS, method=Image.Quantize.MEDIANCUT)
+    first, *rest = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    first.save(file, format="GIF", save_all=True, append_images=rest, duration=stands, loop=0)

@@ -1,0 +1,187 @@
+"""What stands around the flow in three dimensions: floor, walls and obstacles to be drawn."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow import geometry
+from debrisflow.case import tables
+from debrisflow.case.bodies import BoxObstacle
+from debrisflow.case.regions import runout_rise, surface_of
+from debrisflow.case.shapes import Channel3D, ChannelShape, Tank3D, plain_edges
+
+Floats = NDArray[np.float64]
+BOX_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+
+
+class Scene(NamedTuple):
+    """Surfaces around the flow.
+
+    Attributes
+    ----------
+    floor, behind, before : list of (4, 3) float64 array, m
+        Corners of rectangles: the floor, the walls behind it as seen from the front, on the right,
+        and above, and those before it, which would hide the flow.
+    obstacles : list of (n, 3 or 4, 3) float64 array, m
+        The faces of each obstacle.
+    """
+
+    floor: list[Floats]
+    behind: list[Floats]
+    before: list[Floats]
+    obstacles: list[Floats]
+
+    @property
+    def corners(self) -> Floats:
+        """Return all corners, (n, 3) array, m."""
+        faces = [*self.floor, *self.behind, *self.before, *self.obstacles]
+        return np.concatenate([face.reshape(-1, 3) for face in faces])
+
+
+def scene_of(case: tables.Case, wall_height: float) -> Scene:
+    """Return the surfaces of a case in three dimensions.
+
+    Parameters
+    ----------
+    case : Case
+    wall_height : float, m
+        Up to which walls are shown.
+    """
+    shape = case.geometry
+    assert isinstance(shape, Channel3D | Tank3D)
+    profile, top = floor_profile(case), min(wall_height, shape.height)
+    floor: list[Floats] = []
+    behind: list[Floats] = []
+    before: list[Floats] = []
+    for (x0, z0), (x1, z1) in pairwise(profile):
+        front, back = edges_across(case, 0.5 * (x0 + x1))
+        floor.append(_strip((x0, z0), (x1, z1), front, back))
+        if x1 > x0 and has_sides(case, 0.5 * (x0 + x1)):
+            rims = [top + _rise(case, x) for x in (x0, x1)]
+            for side, y in ((before, front), (behind, back)):
+                side.append(_wall((x0, y), (x1, y), (z0, z1), rims))
+    ends = [(x, edges_across(case, x)) for x in closed_ends(case)]
+    for x, (front, back) in ends:
+        level = 0.0 if x == 0.0 else _rise(case, x)
+        wall = _wall((x, front), (x, back), (level, level), (top + level, top + level))
+        (behind if x == 0.0 else before).append(wall)
+    behind += [_wall((x, y0), (x, y1), (0.0, 0.0), (top, top)) for x, y0, y1 in head_walls(case)]
+    return Scene(floor, behind, before, obstacle_faces(case))
+
+
+def floor_profile(case: tables.Case) -> list[tuple[float, float]]:
+    """Return the corners of the fixed floor along x, (x, level) in m, its steps among them.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace as Case
+    >>> from debrisflow.case import shapes
+    >>> flume = shapes.Channel3D(
+    ...     type="channel3d", length=4.0, width=0.5, height=1.0,
+    ...     bed_start=1.0, bed_end=3.0, bed_thickness=0.25,
+    ... )
+    >>> floor_profile(Case(geometry=flume))
+    [(0.0, 0.0), (1.0, 0.0), (1.0, -0.25), (3.0, -0.25), (3.0, 0.0), (4.0, 0.0)]
+    """
+    shape = case.geometry
+    if not isinstance(shape, ChannelShape):
+        length = shape.length if isinstance(shape, Tank3D) else shape.width
+        return [(0.0, 0.0), (length, 0.0)]
+    inner = [shape.runout_start]
+    if shape.bed_thickness > 0.0 or shape.weir_height > 0.0:
+        inner += [shape.bed_start, shape.bed_end]
+    breaks = sorted({x for x in inner if x is not None and 0.0 < x < shape.length})
+    profile: list[tuple[float, float]] = []
+    for start, end in zip([0.0, *breaks], [*breaks, shape.length], strict=True):
+        # between breaks the floor is straight, and two points inside tell its ends
+        inside = start + (end - start) * np.array([0.25, 0.75])
+        low, high = geometry.floor_level(case, inside)
+        slope = (high - low) / 2.0
+        for place, level in ((start, low - slope), (end, high + slope)):
+            point = (float(place), round(float(level), 12) + 0.0)
+            if not profile or profile[-1] != point:
+                profile.append(point)
+    return profile
+
+
+def edges_across(case: tables.Case, x: float) -> tuple[float, float]:
+    """Return the two y between which there is a floor at x, m."""
+    shape = case.geometry
+    assert isinstance(shape, Channel3D | Tank3D)
+    plain = plain_edges(shape)
+    if plain is not None and isinstance(shape, Channel3D):
+        assert shape.runout_start is not None
+        if x > shape.runout_start:
+            return plain
+    return 0.0, shape.width
+
+
+def has_sides(case: tables.Case, x: float) -> bool:
+    """Return whether walls stand beside the floor at x: not on a plain nor where it repeats."""
+    shape = case.geometry
+    if isinstance(shape, Tank3D):
+        return not shape.periodic
+    assert isinstance(shape, Channel3D)
+    return plain_edges(shape) is None or edges_across(case, x) == (0.0, shape.width)
+
+
+def closed_ends(case: tables.Case) -> list[float]:
+    """Return the x at which walls close the space, m."""
+    shape = case.geometry
+    if isinstance(shape, Tank3D):
+        return [0.0, shape.length]
+    return [] if shape.periodic else [0.0]
+
+
+def head_walls(case: tables.Case) -> list[tuple[float, float, float]]:
+    """Return x and the two y of the walls beside the mouth of a channel onto a plain, m."""
+    shape = case.geometry
+    plain = plain_edges(shape)
+    if plain is None:
+        return []
+    assert isinstance(shape, Channel3D)
+    assert shape.runout_start is not None
+    ends = [(plain[0], 0.0), (shape.width, plain[1])]
+    return [(shape.runout_start, start, end) for start, end in ends if end > start]
+
+
+def obstacle_faces(case: tables.Case) -> list[Floats]:
+    """Return the faces of each obstacle, (n, 4, 3) of a box and (n, 3, 3) of a mesh, m."""
+    faces = []
+    for part in case.obstacle:
+        if isinstance(part, BoxObstacle):
+            corner = np.array([(x, y, z) for x in part.x for y in part.y for z in part.z])
+            faces.append(corner[BOX_FACES])
+        else:
+            faces.append(surface_of(part).corners)
+    return faces
+
+
+def _rise(case: tables.Case, x: float) -> float:
+    """Return by how much a run-out has risen at x, m; a recess and a weir do not count."""
+    shape = case.geometry
+    if not isinstance(shape, ChannelShape) or shape.runout_start is None:
+        return 0.0
+    share = (x - shape.runout_start) / (shape.length - shape.runout_start)
+    return max(share, 0.0) * runout_rise(shape, case.gravity)
+
+
+def _strip(
+    start: tuple[float, float], end: tuple[float, float], front: float, back: float
+) -> Floats:
+    (x0, z0), (x1, z1) = start, end
+    return np.array([(x0, front, z0), (x1, front, z1), (x1, back, z1), (x0, back, z0)])
+
+
+def _wall(
+    start: tuple[float, float],
+    end: tuple[float, float],
+    feet: tuple[float, float],
+    rims: tuple[float, float] | list[float],
+) -> Floats:
+    corners = [(*start, feet[0]), (*end, feet[1]), (*end, rims[1]), (*start, rims[0])]
+    return np.array(corners)
