@@ -284,7 +284,7 @@ def render(
     window: tuple[float, ...] | None,
 ) -> None:
     """Draw pictures and an animation of the particles of the run in the folder RUN."""
-    from debrisflow.results.render import render
+    from debrisflow.results.pictures import render
 
     _tell_files(render(folder, by, times, window))
 

@@ -15,12 +15,12 @@ from debrisflow.errors import OutputError
 from debrisflow.output import RunFolder
 from debrisflow.particles import Kind
 from debrisflow.results import offscreen, open_run
-from debrisflow.results.coloring import FIELDS, KIND_COLORS, channels, scale_of
-from debrisflow.results.panels import PlanPanels, SidePanels, over_grid, straightened
-from debrisflow.results.render import DOTS, render
-from debrisflow.results.scene import scene_of
-from debrisflow.results.sheet import CENTIMETERS_PER_INCH, WIDTH
-from debrisflow.results.views import Camera, PerspectiveView, SectionView, Tiles, Window
+from debrisflow.results.pictures.coloring import FIELDS, KIND_COLORS, channels, scale_of
+from debrisflow.results.pictures.panels import PlanPanels, SidePanels, over_grid, straightened
+from debrisflow.results.pictures.render import DOTS, render
+from debrisflow.results.pictures.scene import scene_of
+from debrisflow.results.pictures.sheet import CENTIMETERS_PER_INCH, WIDTH
+from debrisflow.results.pictures.views import Camera, PerspectiveView, SectionView, Tiles, Window
 from debrisflow.state import initial_state
 from tests.building import tank3d_case
 

@@ -15,10 +15,16 @@ from debrisflow.atomic import replaced
 from debrisflow.errors import OutputError
 from debrisflow.output import PICTURES
 from debrisflow.particles import Kind
-from debrisflow.results.coloring import KIND_COLORS, KIND_WORDS, Scale, default_field, scale_of
 from debrisflow.results.frames import Frame, read_frame
-from debrisflow.results.offscreen import require_offscreen
-from debrisflow.results.panels import (
+from debrisflow.results.pictures.coloring import (
+    KIND_COLORS,
+    KIND_WORDS,
+    Scale,
+    default_field,
+    scale_of,
+)
+from debrisflow.results.pictures.offscreen import require_offscreen
+from debrisflow.results.pictures.panels import (
     Panels,
     PerspectivePanels,
     PlanPanels,
@@ -27,9 +33,9 @@ from debrisflow.results.panels import (
     highest,
     side_window,
 )
+from debrisflow.results.pictures.sheet import TEXT, Sheet, layout
+from debrisflow.results.pictures.views import Window
 from debrisflow.results.run import Run, open_run
-from debrisflow.results.sheet import TEXT, Sheet, layout
-from debrisflow.results.views import Window
 
 PANELS = 6
 MOST_FRAMES = 100  # of an animation
@@ -54,8 +60,9 @@ def render(
     folder : Path
         Of a finished or running run.
     by : str, optional
-        What the colors say: ``kind`` or one of :data:`debrisflow.results.coloring.FIELDS`; if left
-        out the kind where there are several kinds, else the speed.
+        What the colors say: ``kind`` or one of the fields of
+        :mod:`debrisflow.results.pictures.coloring`; if left out the kind where there are several
+        kinds, else the speed.
     times : sequence of float, optional
         Of the panels, s: the nearest frames; six evenly spread ones if left out.
     window : sequence of four float, optional

@@ -8,8 +8,8 @@ import numpy as np
 import pyvista
 from numpy.typing import NDArray
 
-from debrisflow.results.coloring import Colors
-from debrisflow.results.scene import Scene
+from debrisflow.results.pictures.coloring import Colors
+from debrisflow.results.pictures.scene import Scene
 
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8]

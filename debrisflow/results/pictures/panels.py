@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from debrisflow.case import tables
 from debrisflow.geometry import floor_bend, floor_level, height_over_floor
 from debrisflow.grid import Grid, floor_length, plan, wrapped
-from debrisflow.lattice import reference
-from debrisflow.measures import deposit_profile
 from debrisflow.particles import Kind
-from debrisflow.results.coloring import Scale
+from debrisflow.results.deposition import deposition
 from debrisflow.results.frames import Frame
-from debrisflow.results.scene import (
+from debrisflow.results.pictures.coloring import Scale
+from debrisflow.results.pictures.scene import (
     closed_ends,
     edges_across,
     floor_profile,
@@ -30,8 +29,8 @@ from debrisflow.results.scene import (
     obstacle_faces,
     scene_of,
 )
-from debrisflow.results.sheet import SMALL, panel_width
-from debrisflow.results.views import (
+from debrisflow.results.pictures.sheet import SMALL, panel_width
+from debrisflow.results.pictures.views import (
     OPENING,
     Camera,
     PerspectiveView,
@@ -233,18 +232,7 @@ class PlanPanels:
 
     def deposit(self, frame: Frame) -> Floats:
         """Return the deposit height over each cell of the plan, (n,) array, m."""
-        case = self.case
-        lattice = reference(case.dimension, case.particles.effective_radius, case.particles.spacing)
-        return deposit_profile(
-            case,
-            frame.position,
-            frame.velocity,
-            frame.kind,
-            frame.concentration,
-            frame.sediment_fraction,
-            frame.number_density,
-            lattice.number_density,
-        ).deposit_height
+        return deposition(self.case, frame).table["deposit_height"]
 
     def draw(self, axes: Axes, frame: Frame, scale: Scale, pixels: Pixels) -> None:
         """Draw a frame into empty axes."""

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from debrisflow.results.coloring import COLOR_MAP, FIELDS, Scale
+from debrisflow.results.pictures.coloring import COLOR_MAP, FIELDS, Scale
 
 WIDTH = 16.0  # of a page's text, cm
 TALLEST_PAGE = 23.0
