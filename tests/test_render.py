@@ -14,7 +14,8 @@ from debrisflow.cli import main
 from debrisflow.errors import OutputError
 from debrisflow.output import RunFolder
 from debrisflow.particles import Kind
-from debrisflow.results import offscreen, open_run
+from debrisflow.results import open_run
+from debrisflow.results.pictures import offscreen
 from debrisflow.results.pictures.coloring import FIELDS, KIND_COLORS, channels, scale_of
 from debrisflow.results.pictures.panels import PlanPanels, SidePanels, over_grid, straightened
 from debrisflow.results.pictures.render import DOTS, render
