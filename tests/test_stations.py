@@ -135,6 +135,12 @@ def test_profiles_are_averaged_over_the_frames_of_the_window_alone(tmp_path):
     np.testing.assert_array_equal(found["samples"], 6)
 
 
+def test_a_mean_profile_keeps_the_station_to_the_last_digit(tmp_path):
+    stations = (2.86, 2.88, 2.9, 2.92, 2.94)
+    found = sheared(tmp_path, lambda y: 5.0 * y, stations=stations)
+    assert set(found.mean_profiles["station"]) == set(stations)
+
+
 def test_the_pooled_profile_is_the_mean_of_the_stations(tmp_path):
     case = channel_case()
     position = cells(case, range(200), range(5))

@@ -28,6 +28,7 @@ PROFILES_HEAD = (
     "density: kg/m3; granular_temperature: m2/s2; means",
     "samples: particles in the mean",
 )
+OF_MEANS = ("samples", "shear_rate", "y_over_h", "u_over_us")
 MOVING_SHARE = 0.1
 LEAST_FILLING = 1.0 / 3.0
 MEAN_HEAD = (
@@ -135,32 +136,35 @@ def mean_profiles(
     Table
         station, height, the quantities, samples, shear_rate, y_over_h, u_over_us.
     """
-    up, d0 = UP[case.dimension], case.particles.spacing
-    names = ("station", up, *QUANTITIES, "samples", "shear_rate", "y_over_h", "u_over_us")
     inside = is_within(profiles["time"], window)
     stations = np.unique(profiles["station"][inside])
-    frames = max(1, np.unique(profiles["time"][inside]).size)
-    groups = [inside] if pooled and stations.size else []
-    if not pooled:
-        groups = [inside & (profiles["station"] == station) for station in stations]
-    parts = []
-    for rows in groups:
-        layer = (profiles[up][rows] / d0).astype(int)
-        weight = profiles["samples"][rows]
-        samples = np.bincount(layer, weight)
-        filled = np.flatnonzero(samples)
-        sums = (np.bincount(layer, profiles[name][rows] * weight) for name in QUANTITIES)
-        means: list[Floats] = [total[filled] / samples[filled] for total in sums]
-        y = np.asarray((filled + 0.5) * d0, dtype=np.float64)
-        shear = np.gradient(means[0], y) if y.size > 1 else np.full(y.size, np.nan)
-        station = np.full(y.size, profiles["station"][rows].mean())
-        count = frames * np.unique(profiles["station"][rows]).size
-        full = _particles_of_a_full_layer(case) * count
-        scaled = normalized(y, means[0], np.asarray(samples[filled] >= LEAST_FILLING * full))
-        parts.append((station, y, *means, samples[filled], shear, *scaled))
-    empty = [np.empty(0) for _ in names]
-    columns = [np.concatenate(column) for column in zip(*parts, strict=True)] if parts else empty
-    return dict(zip(names, columns, strict=True))
+    frames = np.unique(profiles["time"][inside]).size
+    if pooled and stations.size:
+        groups = [(float(stations.mean()), inside, frames * stations.size)]
+    else:
+        groups = [(x, inside & (profiles["station"] == x), frames) for x in stations]
+    names = ("station", UP[case.dimension], *QUANTITIES, *OF_MEANS)
+    parts = [
+        _mean_profile(case, {name: values[rows] for name, values in profiles.items()}, x, count)
+        for x, rows, count in groups
+    ]
+    columns = zip(*parts, strict=True) if parts else ([np.empty(0)] for _ in names)
+    return {name: np.concatenate(column) for name, column in zip(names, columns, strict=True)}
+
+
+def _mean_profile(case: tables.Case, rows: Table, station: float, count: int) -> list[Floats]:
+    """Return the columns of the mean of a number of profiles, whose layers are the rows."""
+    d0 = case.particles.spacing
+    layer, weight = (rows[UP[case.dimension]] / d0).astype(int), rows["samples"]
+    samples: Floats = np.bincount(layer, weight).astype(np.float64)
+    filled = np.flatnonzero(samples)
+    sums = (np.bincount(layer, rows[name] * weight) for name in QUANTITIES)
+    means: list[Floats] = [total[filled] / samples[filled] for total in sums]
+    y = np.asarray((filled + 0.5) * d0, dtype=np.float64)
+    shear = np.gradient(means[0], y) if y.size > 1 else np.full(y.size, np.nan)
+    full = np.asarray(samples[filled] >= LEAST_FILLING * count * _particles_of_a_full_layer(case))
+    scaled = normalized(y, means[0], full)
+    return [np.full(y.size, station), y, *means, samples[filled], shear, *scaled]
 
 
 def is_within(time: Floats, window: tuple[float, float]) -> NDArray[np.bool_]:

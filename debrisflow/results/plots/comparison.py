@@ -72,10 +72,10 @@ def _curves(
         for axes, height in ((deposit, "deposit_height"), (flow, "flow_height")):
             x, values = greatest_across(there.grid, there.table[height])
             axes.plot(x, 100.0 * values, **style)
-    per = "" if found[0].run.case.dimension == 3 else "\nper meter of width"
+    unit = "J" if found[0].run.case.dimension == 3 else "J/m"
     front.set_ylabel("front x, m")
     speed.set_ylabel("speed of\nthe front, m/s")
-    energy.set(ylabel=f"kinetic energy,\nJ{per}", xlabel="time, s")
+    energy.set(ylabel=f"kinetic\nenergy, {unit}", xlabel="time, s")
     deposit.set_ylabel(f"deposit, cm\nt = {time:g} s")
     flow.set(ylabel=f"flow height, cm\nt = {time:g} s", xlabel="x, m")
     legend(front)
