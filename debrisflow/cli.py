@@ -27,7 +27,9 @@ class Commands(click.Group):
             click.echo(error, err=True)
             ctx.exit(error.exit_code)
         except KeyboardInterrupt:
-            click.echo("interrupted; a run goes on with: debrisflow resume RUN", err=True)
+            goes_on = ctx.invoked_subcommand in ("run", "resume")
+            how = "; the run goes on with: debrisflow resume RUN" if goes_on else ""
+            click.echo(f"interrupted{how}", err=True)
             ctx.exit(INTERRUPTED)
 
 
@@ -273,7 +275,7 @@ def _tell_files(files: Sequence[Path]) -> None:
     help="Times of the panels, s; six evenly spread ones if left out.",
 )
 @click.option(
-    "--window",
+    "--view",
     type=Numbers(4, are_intervals=True),
     help="Part of a run in two dimensions, m: X0,X1,Y0,Y1; all if left out.",
 )
@@ -281,12 +283,12 @@ def render(
     folder: Path,
     by: str | None,
     times: tuple[float, ...] | None,
-    window: tuple[float, ...] | None,
+    view: tuple[float, ...] | None,
 ) -> None:
     """Draw pictures and an animation of the particles of the run in the folder RUN."""
     from debrisflow.results.pictures import render
 
-    _tell_files(render(folder, by, times, window))
+    _tell_files(render(folder, by, times, view))
 
 
 @main.command()

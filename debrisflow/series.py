@@ -31,7 +31,12 @@ def write_table(
         writer.writerows(_printed(row) for row in rows)
 
 
-def read_table(path: Path, grows: bool = True) -> Table:
+def rows_where(table: Table, chosen: NDArray[np.bool_]) -> Table:
+    """Return some rows of a table."""
+    return {name: values[chosen] for name, values in table.items()}
+
+
+def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Table:
     """Return the columns of a table of numbers, (rows,) float64 arrays by their names.
 
     Parameters
@@ -39,14 +44,17 @@ def read_table(path: Path, grows: bool = True) -> Table:
     path : Path
     grows : bool
         A last line without its end is one that is being written, and is left out.
+    needed : iterable of str
+        Names of columns that must be there.
 
     Raises
     ------
     OutputError
-        If the file is missing, or its rows are not numbers or not as long as its head.
+        If the file is missing, lacks a column, or its rows are not numbers or not as long as its
+        head.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         told = "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}"
         raise OutputError(f"{path} {told}") from error
@@ -54,14 +62,17 @@ def read_table(path: Path, grows: bool = True) -> Table:
     lines = [line for line in whole if line and not line.startswith("#")]
     if not lines:
         raise OutputError(f"{path} is damaged: it names no columns")
-    names = lines[0].split(",")
+    names = [name.strip() for name in lines[0].split(",")]
+    if missing := [name for name in needed if name not in names]:
+        raise OutputError(f"{path} has no column {missing[0]}, but {', '.join(names)}")
     if not lines[1:]:
         return {name: np.empty(0) for name in names}
     try:
         rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
         return dict(zip(names, rows.T.copy(), strict=True))
     except ValueError as error:
-        raise OutputError(f"{path} is damaged: {error}") from error
+        wanted = "rows are numbers, as many as there are names, with commas between them"
+        raise OutputError(f"{path} is damaged: {str(error).rstrip('.')}; {wanted}") from error
 
 
 class Series:

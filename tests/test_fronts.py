@@ -72,7 +72,7 @@ def test_the_front_of_a_block_has_the_speed_of_the_block(block):
 
 def test_a_block_arrives_at_stations_when_its_front_does(block):
     found = figures(block)
-    assert found["arrival_at_0.3_m"] == 0.0
+    assert np.isnan(found["arrival_at_0.3_m"])  # it was there
     assert found["arrival_at_1_m"] == pytest.approx((1.0 - 0.49) / 1.5)
     assert found["arrival_at_1.75_m"] == pytest.approx((1.75 - 0.49) / 1.5)
     assert np.isnan(found["arrival_at_3_m"])
@@ -94,7 +94,7 @@ def test_the_farthest_front_is_where_the_flow_turned_back(tmp_path):
 
 
 def test_a_front_that_retreats_has_a_negative_speed():
-    rows = [(0.1 * k, *[x] * 8) for k, x in enumerate((1.0, 1.2, 1.1))]
+    rows = [(0.1 * k, *[x] * 8, 1.0) for k, x in enumerate((1.0, 1.2, 1.1))]
     np.testing.assert_allclose(front_table(rows)["speed_all"], [2.0, 0.5, -1.0])
 
 
@@ -174,6 +174,39 @@ def test_what_never_moves_has_no_mobility(tmp_path):
     case = channel_case()
     state = state_of(case, placed(case, cells(case, range(10), range(5))))
     found = surveyed(tmp_path, case, [state])
-    assert np.isnan([*found.mobility, found.mobility.equivalent_friction]).all()
+    *lengths, bound = found.mobility
+    assert np.isnan([*lengths, found.mobility.equivalent_friction]).all()
+    assert bound == ""
     told = figures(found)
     assert np.isnan([told["front_farthest"], told["runout_length"], told["fall_height"]]).all()
+
+
+def test_the_source_of_a_block_that_has_settled_is_its_upstream_end(tmp_path):
+    case = channel_case()
+    position = cells(case, range(20, 40), range(10))
+    position[:, 1] += np.random.default_rng(3).uniform(-0.2, 0.2, len(position)) * D0
+    states = sliding(case, placed(case, position, velocity=1.0), [0.0, 0.5])
+    found = surveyed(tmp_path, case, states).mobility
+    assert found.runout == pytest.approx(0.5 + 19 * D0)
+
+
+def test_a_run_out_that_may_go_on_is_a_lower_bound(tmp_path):
+    case = channel_case(length=2.0)
+    block = placed(case, cells(case, range(20), range(5)), velocity=1.0)
+    early = surveyed(tmp_path / "early", case, sliding(case, block, [0.0, 0.5, 1.0]))
+    assert early.mobility.bound == "a lower bound: the front still advances in the last frame"
+    block.position[:] = cells(case, range(20), range(5))
+    late = surveyed(tmp_path / "late", case, sliding(case, block, [0.0, 0.8, 1.59]))
+    assert late.mobility.bound == "a lower bound: it reached the end of the domain"
+    assert any(row.meaning.endswith(late.mobility.bound) for row in answers(late))
+
+
+def test_a_flow_is_at_rest_from_when_nothing_moves(tmp_path):
+    case = channel_case()
+    states = []
+    for time, speed in ((0.0, 0.0), (0.1, 1.0), (0.2, 0.0), (0.3, 0.0)):
+        block = placed(case, cells(case, range(20), range(5)), velocity=speed)
+        states.append(state_of(case, block, time))
+    found = surveyed(tmp_path, case, states)
+    np.testing.assert_array_equal(found.fronts["moving_share"], [0.0, 1.0, 0.0, 0.0])
+    assert found.rest_time == 0.2

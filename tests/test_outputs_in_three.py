@@ -347,6 +347,6 @@ def test_post_processing_measures_in_three_dimensions(run):
     last = profiles["time"] == 0.2
     np.testing.assert_allclose(profiles["z"][last], [0.05, 0.15, 0.25])
     np.testing.assert_array_equal(profiles["samples"][last], 2 * 4)
-    names = ["x", "y", "floor_level", "initial_bed", "deposit_height", "bed_change"]
+    names = ["x", "y", "floor_level", "deposit_height", "flow_height", "concentration"]
     assert list(deposit)[:7] == ["time", *names]
     assert np.count_nonzero(deposit["time"] == 0.2) == 15

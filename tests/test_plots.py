@@ -88,10 +88,10 @@ def test_a_run_with_nothing_in_it_is_drawn(tmp_path, build):
     drawn(surveyed(tmp_path, case, [state_of(case, placed(case, np.zeros((0, 3))))]))
 
 
-def test_a_run_whose_fills_settle_is_drawn_without_frames_in_the_window(tmp_path):
+def test_a_run_whose_fills_settle_is_drawn(tmp_path):
     case = channel_case(shape={"periodic": True})
     states = sliding(case, layer(case), [-0.2, -0.1])
-    drawn(surveyed(tmp_path, case, states, (0.5, 1.0), window=(5.0, 6.0)))
+    drawn(surveyed(tmp_path, case, states, (0.5, 1.0)))
 
 
 def test_the_command_writes_all_that_overwriting_a_run_removes(tmp_path):

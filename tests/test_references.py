@@ -5,7 +5,7 @@ import pytest
 
 from debrisflow.errors import OutputError
 from debrisflow.results.parameters import differences, parameters, summary
-from debrisflow.results.references import distances, read_reference
+from debrisflow.results.references import dilatant_profile, distances, read_reference
 from tests.recording import cells, channel3d_case, channel_case, placed, sliding, surveyed
 
 D0 = 0.02
@@ -85,7 +85,7 @@ def test_only_points_within_the_range_of_the_reference_count(tmp_path, found):
     ("text", "message"),
     [
         ("time,front\n0,1\n1,2\n", "reference bad: no column front to compare with among time"),
-        ("hours,front_all\n0,1\n1,2\n", "reference bad: no column hours to compare with"),
+        ("x,front_all\n0,1\n1,2\n", "reference bad: no column front_all to compare with"),
     ],
 )
 def test_a_column_that_we_do_not_have_is_told(tmp_path, found, text, message):
@@ -100,6 +100,8 @@ def test_a_column_that_we_do_not_have_is_told(tmp_path, found, text, message):
         ("time\n0\n1\n", r"bad\.csv has the one column time: a curve needs two"),
         ("time,front_all\n0,1\n0,2\n", r"bad\.csv: its first column, time, does not increase"),
         ("time,front_all\n1,1\n0,2\n", r"bad\.csv: its first column, time, does not increase"),
+        ("station,velocity\n0,1\n1,2\n", r"bad\.csv: its first column is station, and should be"),
+        ("time;front_all\n0;1\n", r"bad\.csv is damaged: .* with commas between them"),
         ("time,front_all\n", r"bad\.csv has no rows"),
         ("time,front_all", r"bad\.csv has no rows"),
         ("", r"bad\.csv is damaged: it names no columns"),
@@ -160,3 +162,31 @@ def test_a_case_in_one_line_names_what_matters():
     line = summary(channel3d_case(slope=15.0, inflow={"depth": 0.2, "discharge": 0.05}))
     words = ("d0 = 50 mm", "slope 15°", "water 1000 kg/m³", "supply 0.05 m³/s")
     assert [word for word in words if word not in line] == []
+
+
+def test_what_is_not_known_of_a_reference_is_left_out(tmp_path, found):
+    time, front = found.fronts["time"], found.fronts["front_all"]
+    rows = [f"{t!r}, {x + 0.25!r}" for t, x in zip(time.tolist(), front.tolist(), strict=True)]
+    rows[0] = f"{time[0]}, nan"
+    reference = written(tmp_path / "gap.csv", "\ufefftime, front_all\n" + "\n".join(rows))
+    (row,) = distances(found, reference)
+    assert row.points == len(rows) - 1
+    assert row.rms == pytest.approx(0.25)
+
+
+def test_a_profile_of_two_layers_has_no_distance(tmp_path):
+    case = channel_case()
+    particles = placed(case, cells(case, range(100), range(2)), velocity=1.0)
+    thin = surveyed(tmp_path, case, sliding(case, particles, [0.0, 0.1]), (1.0,))
+    (row,) = distances(thin, dilatant_profile())
+    assert row.points == 0
+    assert np.isnan(row.rms)
+
+
+def test_a_deposit_along_x_is_compared_with_the_greatest_across(tmp_path):
+    case = channel3d_case()
+    particles = placed(case, cells(case, range(40), range(4), range(6)))
+    flat = surveyed(tmp_path / "run", case, sliding(case, particles, [0.0, 0.1]))
+    (row,) = distances(flat, written(tmp_path / "x.csv", "x,deposit_height\n0,0.3\n1.9,0.3\n"))
+    assert row.points == 19
+    assert row.rms == pytest.approx(0.0, abs=1e-12)

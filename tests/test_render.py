@@ -198,7 +198,7 @@ def test_three_dimensions_give_perspective_plan_and_side(tank_run):
 @pytest.mark.usefixtures("screen")
 @pytest.mark.parametrize("by", FIELDS)
 def test_every_field_can_be_asked_for_and_fills_a_window(run, by):
-    window = "--window=0.1,0.3,-0.02,0.1"
+    window = "--view=0.1,0.3,-0.02,0.1"
     result = CliRunner().invoke(main, ["render", str(run), "--by", by, "--times", "0.1", window])
 
     assert result.exit_code == 0, result.output
@@ -235,7 +235,8 @@ def test_contours_are_round_heights_up_to_the_deposit(tank_run):
     np.testing.assert_allclose(deposit[0], 0.5, atol=0.005)  # x < 0.2 m; places scatter by that
     assert not deposit[-1].any()
     bare = PlanPanels(run.case, [heap._replace(velocity=heap.velocity + 1.0)])
-    assert bare.remark == "no deposit as thick as a particle"
+    assert bare.levels.size == 0
+    assert bare.remark == ""
 
 
 def test_the_command_offers_every_field():
@@ -292,17 +293,16 @@ class TestMessages:
     def test_times_beyond_the_run(self, copy):
         code, message = self.refused(copy, "--times", "0,7")
         assert code == 3
-        assert message.strip() == (
-            "there is no frame at t = 7 s: the run has 3 frames from 0 to 0.2 s"
-        )
+        assert message.startswith("there is no frame at t = 7 s: ")
+        assert message.strip().endswith("has 3 frames from 0 to 0.2 s")
 
     @pytest.mark.parametrize(
         ("option", "text", "told"),
         [
             ("--times", "soon", "soon is not a list of numbers"),
             ("--times", "0,nan", "0,nan is not a list of numbers"),
-            ("--window", "0,1,0", "0,1,0 has 3 numbers where 4 are needed"),
-            ("--window", "1,0,0,1", "an interval must end after it starts"),
+            ("--view", "0,1,0", "0,1,0 has 3 numbers where 4 are needed"),
+            ("--view", "1,0,0,1", "an interval must end after it starts"),
             ("--by", "color", "is not one of"),
         ],
     )
@@ -312,7 +312,7 @@ class TestMessages:
         assert told in message
 
     def test_a_window_in_three_dimensions(self, tank_run):
-        code, message = self.refused(tank_run, "--window", "0,1,0,1")
+        code, message = self.refused(tank_run, "--view", "0,1,0,1")
         assert code == 3
         assert "two dimensions" in message
 

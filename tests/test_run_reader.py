@@ -150,7 +150,9 @@ def test_a_run_without_sediment_has_no_deposit(tmp_path):
     case = channel_case()
     particles = placed(case, cells(case, range(50), range(5)), Kind.LIQUID, 1.0)
     _, told = surveyed(record(tmp_path, case, sliding(case, particles, [0.0, 0.1])))
-    assert told["deposit_volume"] == told["deposit_area"] == told["deposit_height_greatest"] == 0.0
+    assert (
+        told["deposit_volume"] == told["deposit_length"] == told["deposit_height_greatest"] == 0.0
+    )
     assert np.isnan(told["deposit_gradient"])
     assert told["mass_inside_sediment"] == pytest.approx(0.0, abs=1e-9)
     assert told["mass_inside_water"] == pytest.approx(250 * D0**2 * 1000.0)
@@ -193,8 +195,39 @@ def test_a_single_frame_has_places_but_no_rates(tmp_path):
 
 
 def test_frames_of_the_deposit_are_the_first_the_nearest_and_the_last(run):
-    found = survey(open_run(run), times=[0.08, 0.11, 7.0])
+    found = survey(open_run(run), times=[0.08, 0.11, 0.24])
     assert [one.time for one in found.deposits] == pytest.approx([0.0, 0.1, 0.2])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"stations": [-0.1]}, r"station x = -0\.1 m is outside the domain, 0 to "),
+        ({"stations": [50.0]}, r"station x = 50 m is outside the domain"),
+        ({"window": (5.0, 6.0)}, r"no frame is between 5 and 6 s: .* has 3 from 0 to 0\.2 s"),
+        ({"times": [7.0]}, r"no frame at t = 7 s: .* has 3 frames from 0 to 0\.2 s"),
+    ],
+)
+def test_what_is_asked_for_outside_the_run_is_told(run, options, message):
+    with pytest.raises(OutputError, match=message):
+        survey(open_run(run), **options)
+
+
+@pytest.mark.parametrize("kept", [0, 2])
+def test_maxima_that_are_cut_off_are_told(run, kept):
+    file = run / "maxima.csv"
+    head = [line for line in file.read_text().splitlines() if line.startswith(("#", "x"))]
+    rows = file.read_text().splitlines()[len(head) :][:kept]
+    file.write_text("\n".join([*head, *rows, ""]))
+    with pytest.raises(OutputError, match=rf"maxima\.csv is damaged: it has {kept} rows for"):
+        answers(survey(open_run(run)))
+
+
+def test_a_history_without_a_column_is_told(run):
+    file = run / "history.csv"
+    file.write_text(file.read_text().replace("front_all", "front_none"))
+    with pytest.raises(OutputError, match=r"history\.csv has no column front_all"):
+        survey(open_run(run))
 
 
 class TestTables:

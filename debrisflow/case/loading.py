@@ -131,7 +131,9 @@ def _head_comment(text: str) -> str:
     >>> _head_comment("# A flume." + chr(10) + "# Calibrated: nothing.").splitlines()
     ['A flume.', 'Calibrated: nothing.']
     """
-    lines = []
+    lines: list[str] = []
+    if text.startswith(_HEAD):
+        return ""
     for line in text.splitlines():
         if not line.startswith("#"):
             break

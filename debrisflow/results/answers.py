@@ -5,12 +5,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from debrisflow.case.probes import SectionProbe
 from debrisflow.history import PER_WIDTH
 from debrisflow.results.fronts import arrival
+from debrisflow.results.stations import VOLUME
 from debrisflow.results.survey import Survey
-from debrisflow.series import Table
+from debrisflow.series import Table, rows_where
+from debrisflow.state import PHASES
+
+Floats = NDArray[np.float64]
 
 
 class Answer(NamedTuple):
@@ -33,7 +38,7 @@ class Answer(NamedTuple):
 
 COLUMNS = Answer._fields
 HEAD = ("figures of the run; nan where it gives no answer",)
-REST_SHARE = 0.01
+EXTENT = {2: ("length", "m"), 3: ("area", "m2")}
 
 
 def answers(found: Survey) -> list[Answer]:
@@ -57,51 +62,55 @@ def answers_by_heading(found: Survey) -> dict[str, list[Answer]]:
 def _runout(found: Survey) -> list[Answer]:
     flow, front = found.mobility, found.fronts
     speeds = front["speed_all"][~np.isnan(front["speed_all"])]
+    bound = f"; {flow.bound}" if flow.bound else ""
+    farthest = f"greatest x of the front (99.5 % of what flows){bound}"
     return [
-        Answer("front_farthest", flow.toe, "m", "greatest x of the front (99.5 % of what flows)"),
-        Answer("front_farthest_time", flow.time, "s", "when it was there"),
+        Answer("last_frame_time", _at(front["time"], -1), "s", "up to which the run was measured"),
+        Answer("moving_share_end", _at(front["moving_share"], -1), "-", "of the volume, then"),
         Answer(
-            "front_speed_greatest",
-            float(speeds.max(initial=0.0)) if speeds.size else np.nan,
-            "m/s",
-            "of the front, between frames",
+            "rest_time", found.rest_time, "s", "from which on less than 1 % of the volume moves"
         ),
-        Answer("runout_length", flow.runout, "m", "from the source to the farthest front, along x"),
+        Answer("front_farthest", flow.toe, "m", farthest),
+        Answer("front_farthest_time", flow.time, "s", "when it was there"),
+        Answer("front_speed_greatest", _greatest(speeds), "m/s", "of the front, between frames"),
+        Answer("runout_length", flow.runout, "m", f"from the source to there, along x{bound}"),
         Answer("fall_height", flow.fall, "m", "H, vertical, from the top of the source to there"),
-        Answer("travel_distance", flow.travel, "m", "L, horizontal, from the source to there"),
-        Answer("equivalent_friction", flow.equivalent_friction, "-", "H / L"),
+        Answer(
+            "travel_distance", flow.travel, "m", f"L, horizontal, from the source to there{bound}"
+        ),
+        Answer("equivalent_friction", flow.equivalent_friction, "-", f"H / L{bound}"),
     ]
 
 
 def _arrivals(found: Survey) -> list[Answer]:
     history = found.run.history
-    return [
-        Answer(
-            f"arrival_at_{x:g}_m",
-            arrival(history["time"], history["front_all"], x),
-            "s",
-            f"when the front first reached x = {x:g} m",
-        )
-        for x in found.stations
-    ]
+    present = [name for name in PHASES if not np.isnan(history[f"front_{name}"]).all()]
+    rows = []
+    for x in found.stations:
+        for phase in ("all", *(present if len(present) > 1 else ())):
+            name = f"arrival_at_{x:g}_m" if phase == "all" else f"{phase}_arrival_at_{x:g}_m"
+            when = arrival(history["time"], history[f"front_{phase}"], x)
+            meaning = f"when the front ({phase}) first came to x = {x:g} m"
+            rows.append(Answer(name, when, "s", meaning))
+    return rows
 
 
 def _extent(found: Survey) -> list[Answer]:
     maxima, grid = found.run.maxima, found.deposits[-1].grid
     reached = ~np.isnan(maxima["arrival_time"])
-    area = "m2" if found.run.case.dimension == 3 else "m"
+    noun, unit = EXTENT[found.run.case.dimension]
     return [
         Answer(
-            "affected_area",
+            f"affected_{noun}",
             float(grid.area[reached].sum()),
-            area,
+            unit,
             "where it was ever more than half a spacing deeper than at first",
         ),
-        Answer("depth_greatest", float(maxima["maximal_depth"].max()), "m", "flow height, ever"),
-        Answer("speed_greatest", float(maxima["maximal_speed"].max()), "m/s", "depth mean, ever"),
+        Answer("depth_greatest", _greatest(maxima["maximal_depth"]), "m", "flow height, ever"),
+        Answer("speed_greatest", _greatest(maxima["maximal_speed"]), "m/s", "depth mean, ever"),
         Answer(
             "momentum_flux_greatest",
-            float(maxima["maximal_momentum_flux"].max()),
+            _greatest(maxima["maximal_momentum_flux"]),
             "N/m",
             "integral of density times speed squared over the depth, ever",
         ),
@@ -110,23 +119,28 @@ def _extent(found: Survey) -> list[Answer]:
 
 def _deposit(found: Survey) -> list[Answer]:
     last, case = found.deposits[-1], found.run.case
-    area, volume = ("m2", "m3") if case.dimension == 3 else ("m", "m2")
-    height = last.table["deposit_height"]
+    noun, unit = EXTENT[case.dimension]
+    volume = VOLUME[case.dimension]
     when = f"at t = {last.time:g} s"
+    bed = f"with the pores of a packed bed, {when}"
     return [
-        Answer("deposit_area", last.area, area, f"covered by what lies at rest {when}"),
+        Answer(f"deposit_{noun}", last.area, unit, f"covered by what lies at rest {when}"),
+        Answer("deposit_volume", last.volume, volume, f"of its particles, with pores, {when}"),
+        Answer("deposit_sediment_volume", last.sediment_volume, volume, f"of grains, {when}"),
         Answer(
-            "deposit_volume", last.volume, volume, "of the particles of the deposit, with pores"
+            "deposit_height_greatest",
+            _greatest(last.table["deposit_height"]),
+            "m",
+            f"over the fixed floor {when}",
         ),
-        Answer("deposit_height_greatest", float(height.max()), "m", f"over the fixed floor {when}"),
         Answer(
             "deposit_gradient",
             last.gradient(case.gravity.fall),
             "degree",
-            "by which the surface of the deposit falls along x, of the nearest straight line",
+            f"by which its surface falls along x, of the nearest straight line, {when}",
         ),
-        Answer("eroded_volume", last.erosion, volume, "between the initial bed and the deposit"),
-        Answer("deposited_volume", last.deposition, volume, "between deposit and initial bed"),
+        Answer("eroded_volume", last.erosion, volume, f"lost where the bed lost, {bed}"),
+        Answer("deposited_volume", last.deposition, volume, f"gained where it gained, {bed}"),
     ]
 
 
@@ -148,35 +162,35 @@ def _sections(found: Survey) -> list[Answer]:
 def _stations(found: Survey) -> list[Answer]:
     rows, table = [], found.hydrographs
     for x in found.stations:
-        here = table["station"] == x
-        part = {name: values[here] for name, values in table.items()}
+        part = rows_where(table, table["station"] == x)
         where = f"at x = {x:g} m, from the frames"
         rows += _flow_figures(f"at_{x:g}_m", part, where, found.run.case.dimension)
     return rows
 
 
 def _flow_figures(name: str, table: Table, where: str, dimension: int) -> list[Answer]:
-    volume = "m3" if dimension == 3 else "m2"
-    grains, rate = table["sediment_volume"], table["discharge"]
-    total = table["volume"]
-    peak = int(np.argmax(rate)) if rate.size else -1
-    return [
-        Answer(f"{name}_discharge_peak", _at(rate, peak), f"{volume}/s", f"greatest, {where}"),
-        Answer(f"{name}_discharge_peak_time", _at(table["time"], peak), "s", f"of it, {where}"),
-        Answer(
-            f"{name}_sediment_discharge_peak",
-            float(table["sediment_discharge"].max()) if rate.size else np.nan,
-            f"{volume}/s",
-            f"of grains, {where}",
-        ),
-        Answer(f"{name}_volume", _at(total, -1), volume, f"passed in all, {where}"),
-        Answer(f"{name}_sediment_volume", _at(grains, -1), volume, f"of grains, {where}"),
-        Answer(f"{name}_water_volume", _at(total - grains, -1), volume, f"of water, {where}"),
-    ]
+    volume = VOLUME[dimension]
+    rate = {"": table["discharge"], "sediment_": table["sediment_discharge"]}
+    total = {"": table["volume"], "sediment_": table["sediment_volume"]}
+    rate["water_"], total["water_"] = (part[""] - part["sediment_"] for part in (rate, total))
+    peak = int(np.argmax(rate[""])) if rate[""].size else -1
+    rows = [Answer(f"{name}_peak_time", _at(table["time"], peak), "s", f"of all, {where}")]
+    for matter, meaning in (("", "in all"), ("sediment_", "of grains"), ("water_", "of water")):
+        told = f"{meaning}, {where}"
+        greatest = _greatest(rate[matter])
+        rows += [
+            Answer(f"{name}_{matter}discharge_peak", greatest, f"{volume}/s", f"greatest {told}"),
+            Answer(f"{name}_{matter}volume", _at(total[matter], -1), volume, f"passed {told}"),
+        ]
+    return rows
 
 
-def _at(values: np.ndarray, row: int) -> float:
+def _at(values: Floats, row: int) -> float:
     return float(values[row]) if values.size else np.nan
+
+
+def _greatest(values: Floats) -> float:
+    return float(np.max(values)) if values.size else np.nan
 
 
 def _budgets(found: Survey) -> list[Answer]:

@@ -77,7 +77,10 @@ def compare(found: Sequence[Survey], target: Path) -> tuple[Comparison, list[Pat
         ("figures of the runs, each at its own end; nan where a run has none",),
         ([quantity, unit, *values] for _, quantity, unit, values in together.figures),
     )
-    titles = [f"{row[0]}: {', '.join(row[1:])}" for row in differing]
+    titles = [
+        f"{key}: " + ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
+        for key, *values in differing
+    ]
     return together, [*files, *draw_comparison(found, names, titles, together.time, target)]
 
 

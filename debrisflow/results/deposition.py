@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter
 
 from debrisflow.case import tables
-from debrisflow.case.shapes import ChannelShape
 from debrisflow.geometry import floor_bend
 from debrisflow.grid import FLOOR_WORDS, PLACE, PLACE_WORDS, Grid, floor_level, plan
 from debrisflow.lattice import reference
@@ -19,28 +19,31 @@ from debrisflow.series import Table
 Floats = NDArray[np.float64]
 COLUMNS = (
     "floor_level",
-    "initial_bed",
     "deposit_height",
-    "bed_change",
     "flow_height",
     "concentration",
     "deposit_depth",
+    "deposit_sediment_depth",
     "sediment_depth",
     "water_depth",
+    "bed_change",
 )
 HEAD = (
     "the deposit at chosen times",
     "time: s",
     "{place}",
     "floor_level: m, of {floor}",
-    "initial_bed: m, of the bed (a fill of type bed) above it, before the flow",
     "deposit_height, flow_height: m above it along its normal; concentration: volume share of",
     "  sediment up to flow_height; all as in deposit.csv, where their definitions stand",
-    "bed_change: m, deposit_height - initial_bed: deposition, or erosion where it is negative",
-    "deposit_depth: m, volume of the particles that make up the deposit over the area of the cell",
+    "deposit_depth, deposit_sediment_depth: m, volume of the particles that make up the deposit,",
+    "  and of the grains in them, over the area of the cell",
     "sediment_depth, water_depth: m, volume of all grains and of all water over that area,",
     "  deposited or not",
+    "bed_change: m, gain of sediment_depth since the first frame over sediment.packing_limit, so",
+    "  with the pores of a packed bed: deposition, or erosion where it is negative; a mean over",
+    "  five cells; what moves counts where it is, and a released mass is gone from where it was",
 )
+REACH = 5  # cells over which the change of the bed is averaged
 LEAST_STEEP_CELLS = 3
 
 
@@ -75,13 +78,18 @@ class Deposition(NamedTuple):
 
     @property
     def deposition(self) -> float:
-        """Return the volume between deposit and initial bed where the deposit is higher."""
-        return float(np.maximum(self.table["bed_change"], 0.0) @ (self.upright * self.grid.area))
+        """Return the volume that the bed gained where it did, with pores, m3 or m2."""
+        return float(np.maximum(self.table["bed_change"], 0.0) @ self.grid.area)
 
     @property
     def erosion(self) -> float:
-        """Return the volume between initial bed and deposit where the deposit is lower."""
-        return float(np.maximum(-self.table["bed_change"], 0.0) @ (self.upright * self.grid.area))
+        """Return the volume that the bed lost where it did, with pores, m3 or m2."""
+        return float(np.maximum(-self.table["bed_change"], 0.0) @ self.grid.area)
+
+    @property
+    def sediment_volume(self) -> float:
+        """Return the volume of the grains in the deposit, m3 or m2."""
+        return float(self.table["deposit_sediment_depth"] @ self.grid.area)
 
     def gradient(self, fall: float) -> float:
         """Return by how much the surface of the deposit falls along x, degrees.
@@ -104,8 +112,16 @@ class Deposition(NamedTuple):
         return float(np.degrees(fall - np.arctan(slope)))
 
 
-def deposition(case: tables.Case, frame: Frame) -> Deposition:
-    """Return deposit and flow of a frame over the cells of its case."""
+def deposition(case: tables.Case, frame: Frame, first: Deposition | None = None) -> Deposition:
+    """Return deposit and flow of a frame over the cells of its case.
+
+    Parameters
+    ----------
+    case : Case
+    frame : Frame
+    first : Deposition, optional
+        Of the frame since which the bed has changed; this one if left out.
+    """
     grid = plan(case)
     lattice = reference(case.dimension, case.particles.effective_radius, case.particles.spacing)
     profile = deposit_profile(
@@ -123,30 +139,44 @@ def deposition(case: tables.Case, frame: Frame) -> Deposition:
     depth = particle_volume(case) / grid.area
     sediment = np.bincount(above.cell, frame.sediment_fraction[above.row], grid.x.size) * depth
     everything = np.bincount(above.cell, minlength=grid.x.size) * depth
-    bed = initial_bed(case, grid)
+    grains = np.bincount(lying.cell, frame.sediment_fraction[lying.row], grid.x.size) * depth
+    before = sediment if first is None else first.table["sediment_depth"]
     columns = (
         floor_level(case, grid),
-        bed,
         profile.deposit_height,
-        profile.deposit_height - bed,
         profile.flow_height,
         profile.concentration,
         np.bincount(lying.cell, minlength=grid.x.size) * depth,
+        grains,
         sediment,
         everything - sediment,
+        smoothed(grid, sediment - before) / case.sediment.packing_limit,
     )
     upright = 1.0 / np.cos(floor_bend(case, grid.x))
     return Deposition(frame.time, grid, dict(zip(COLUMNS, columns, strict=True)), upright)
 
 
-def initial_bed(case: tables.Case, grid: Grid) -> Floats:
-    """Return how high the bed stands over the fixed floor of each cell before the flow, m."""
-    shape, bed = case.geometry, np.zeros(grid.x.size)
-    if isinstance(shape, ChannelShape) and any(fill.type == "bed" for fill in case.fill):
-        assert shape.bed_start is not None
-        assert shape.bed_end is not None
-        bed[(grid.x >= shape.bed_start) & (grid.x < shape.bed_end)] = shape.bed_thickness
-    return bed
+def smoothed(grid: Grid, depth: Floats) -> Floats:
+    """Return the mean of depths over the cells around each, weighted by their area, (n,) array.
+
+    Of single cells that hold a few particles each, what one loses another gains by chance.
+    """
+    here = grid.number >= 0
+    area, volume = np.zeros(here.shape), np.zeros(here.shape)
+    area[here] = grid.area[grid.number[here]]
+    volume[here] = (depth * grid.area)[grid.number[here]]
+    size = [min(REACH, length) for length in here.shape]
+    means = uniform_filter(volume, size, mode="constant")[here]
+    means /= uniform_filter(area, size, mode="constant")[here]
+    found = np.empty(grid.x.size)
+    found[grid.number[here]] = means
+    return found
+
+
+def greatest_across(grid: Grid, values: Floats) -> tuple[Floats, Floats]:
+    """Return the middles of the columns of a grid along x, and the greatest value in each."""
+    field = np.where(grid.number >= 0, values[grid.number], -np.inf)
+    return 0.5 * (grid.along[:-1] + grid.along[1:]), field.max(axis=1)
 
 
 def deposit_columns(dimension: int) -> tuple[str, ...]:

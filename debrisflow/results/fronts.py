@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import tables
 from debrisflow.geometry import floor_level, inflow_section
+from debrisflow.grid import floor_length
 from debrisflow.measures import FRONT_SHARE, fronts, gravity_vector
 from debrisflow.results.frames import Frame
 from debrisflow.results.run import Run
@@ -17,11 +18,13 @@ from debrisflow.state import PHASES
 
 Floats = NDArray[np.float64]
 OUTER_SHARE = 0.999
+EDGE = 2.0  # spacings before the end of the domain, where a front is at it
 NAMES = (*PHASES, "all")
 COLUMNS = (
     "time",
     *(f"front_{name}" for name in NAMES),
     *(f"outer_front_{name}" for name in NAMES),
+    "moving_share",
     *(f"speed_{name}" for name in NAMES),
 )
 HEAD = (
@@ -29,15 +32,18 @@ HEAD = (
     "front_*: m; the x behind which 99.5 % of the volume lies that is faster than",
     "  output.rest_speed; nan if nothing is",
     "outer_front_*: m; the same for 99.9 %",
+    "moving_share: share of the volume inside that is faster than output.rest_speed",
     "speed_*: m/s; speed of front_*, by central differences between the frames",
 )
 
 
 def front_row(case: tables.Case, frame: Frame) -> Row:
-    """Return time, fronts and outer fronts of a frame, without their speeds."""
+    """Return time, fronts, outer fronts and moving share of a frame, without the speeds."""
     arrays = frame.position, frame.velocity, frame.kind
     shares = (fronts(case, *arrays, share=share) for share in (FRONT_SHARE, OUTER_SHARE))
-    return (frame.time, *(x for found in shares for x in found.values()))
+    moving = frame.speed[frame.fluid] > case.output.rest_speed
+    share = float(moving.mean()) if moving.size else 0.0
+    return (frame.time, *(x for found in shares for x in found.values()), share)
 
 
 def front_table(rows: list[Row]) -> Table:
@@ -53,7 +59,7 @@ def front_table(rows: list[Row]) -> Table:
 def arrival(time: Floats, front: Floats, x: float) -> float:
     """Return when a front first reaches a place, s; nan if it does not.
 
-    Linear between the samples; a front that starts beyond the place has arrived with the first.
+    Linear between the samples.  A front that starts beyond the place arrives nowhere before it.
 
     Parameters
     ----------
@@ -65,17 +71,14 @@ def arrival(time: Floats, front: Floats, x: float) -> float:
     --------
     >>> time, front = np.array([0.0, 1.0, 2.0, 3.0]), np.array([np.nan, 1.0, 3.0, 2.0])
     >>> arrival(time, front, 2.0), arrival(time, front, 4.0), arrival(time, front, 0.5)
-    (1.5, nan, 1.0)
+    (1.5, nan, nan)
     """
     known = ~np.isnan(front)
     time, front = time[known], front[known]
     reached = np.flatnonzero(front >= x)
-    if reached.size == 0:
+    if reached.size == 0 or reached[0] == 0:
         return float("nan")
-    last = reached[0]
-    if last == 0:
-        return float(time[0])
-    before = slice(last - 1, last + 1)
+    before = slice(reached[0] - 1, reached[0] + 1)
     return float(np.interp(x, front[before], time[before]))
 
 
@@ -92,6 +95,8 @@ class Mobility(NamedTuple):
         From the source to there along x.
     fall, travel : float, m
         H and L: the vertical and the horizontal distance, in the directions of gravity.
+    bound : str
+        Why the flow may go farther than that; empty if it does not.
     """
 
     toe: float
@@ -99,6 +104,7 @@ class Mobility(NamedTuple):
     runout: float
     fall: float
     travel: float
+    bound: str
 
     @property
     def equivalent_friction(self) -> float:
@@ -110,7 +116,8 @@ def mobility(run: Run, time: Floats, front: Floats, first: Frame) -> Mobility:
     """Return fall and travel of the flow of a run.
 
     The source is the top of the supply at x = 0, or without one the highest particle of the first
-    frame, the one that is farthest upstream among equals.  The toe is on the fixed floor.
+    frame, of those within half a spacing of it the one that is farthest upstream.  The toe is on
+    the fixed floor.
 
     Parameters
     ----------
@@ -120,20 +127,24 @@ def mobility(run: Run, time: Floats, front: Floats, first: Frame) -> Mobility:
     first : Frame
     """
     if np.isnan(front).all():
-        return Mobility(*[np.nan] * 5)
+        return Mobility(np.nan, np.nan, np.nan, np.nan, np.nan, bound="")
     last = int(np.nanargmax(front))
-    toe = float(front[last])
+    toe, bound = float(front[last]), ""
+    if toe > floor_length(run.case) - EDGE * run.case.particles.spacing:
+        bound = "a lower bound: it reached the end of the domain"
+    elif last == len(front) - 1:
+        bound = "a lower bound: the front still advances in the last frame"
     source = _source(run.case, first)
     end = np.array([toe, float(floor_level(run.case, np.array([toe]))[0])])
     gravity = gravity_vector(run.case)[[0, run.case.dimension - 1]]
     strength = float(np.linalg.norm(gravity))
     if strength == 0.0:
-        return Mobility(toe, float(time[last]), toe - source[0], np.nan, np.nan)
+        return Mobility(toe, float(time[last]), toe - source[0], np.nan, np.nan, bound)
     down = gravity / strength
     level = np.array([-down[1], down[0]])
     path = end - source
     fall, travel = float(path @ down), abs(float(path @ level))
-    return Mobility(toe, float(time[last]), toe - float(source[0]), fall, travel)
+    return Mobility(toe, float(time[last]), toe - float(source[0]), fall, travel, bound)
 
 
 def _source(case: tables.Case, first: Frame) -> Floats:
@@ -145,7 +156,8 @@ def _source(case: tables.Case, first: Frame) -> Floats:
     position = first.position[first.fluid]
     if len(position) == 0:
         return np.full(2, np.nan)
-    height = -position @ gravity_vector(case)
-    highest = position[height >= height.max() - 1e-9 * abs(height.max())]
+    gravity = gravity_vector(case)
+    height, level = -position @ gravity, 0.5 * d0 * float(np.linalg.norm(gravity))
+    highest = position[height >= height.max() - level]
     top = highest[np.argmin(highest[:, 0])]
     return np.array([top[0], top[case.dimension - 1] + 0.5 * d0])

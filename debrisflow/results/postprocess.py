@@ -15,11 +15,17 @@ from debrisflow.results.budgets import budget_head, momentum_head
 from debrisflow.results.deposition import deposit_head, deposit_table
 from debrisflow.results.fronts import HEAD as FRONT_HEAD
 from debrisflow.results.plots import draw
-from debrisflow.results.references import Distance, Reference, dilatant_profile, distances
+from debrisflow.results.references import Distance, Reference, distances_to_all
 from debrisflow.results.survey import Survey
 from debrisflow.series import Table, write_table
 
-TOLD = ("front_farthest", "equivalent_friction", "deposit_volume", "deposit_gradient")
+TOLD = (
+    "moving_share_end",
+    "front_farthest",
+    "equivalent_friction",
+    "deposit_volume",
+    "eroded_volume",
+)
 
 
 def postprocess(found: Survey, given: Sequence[Reference] = ()) -> tuple[list[Path], list[str]]:
@@ -44,8 +50,7 @@ def postprocess(found: Survey, given: Sequence[Reference] = ()) -> tuple[list[Pa
         If the folder cannot be written, or a reference fits no table of the run.
     """
     target = found.run.folder / POSTPROCESS
-    measured = [row for one in (dilatant_profile(), *given) for row in distances(found, one)]
-    rows = figures.answers(found)
+    rows, measured = figures.answers(found), distances_to_all(found, given)
     files = _write_tables(found, measured, rows, target)
     return [*files, *draw(found, given, measured, target)], _told(rows, measured)
 
@@ -66,7 +71,9 @@ def _told(rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
     for one in measured:
         if one.points:
             curve = f"{one.reference}, {one.curve}"
-            lines.append(f"distance to {curve}, {one.ours}: rms {one.rms:.3g} ({one.share:.1%})")
+            lines.append(
+                f"distance to {curve}, {one.ours}: rms {one.rms:.3g} at {one.points} points"
+            )
     return lines
 
 

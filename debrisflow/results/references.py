@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,11 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.errors import OutputError
+from debrisflow.results.deposition import Deposition, greatest_across
 from debrisflow.results.survey import Survey
-from debrisflow.series import Table, read_table
+from debrisflow.series import Table, read_table, rows_where
 
 Floats = NDArray[np.float64]
 NORMALIZED = "y_over_h"
+ABSCISSAS = (NORMALIZED, "y", "z", "time", "x")
+POOLED = "mean of the stations"
+FEWEST_POINTS = 3
 
 
 class Reference(NamedTuple):
@@ -66,7 +71,8 @@ class Distance(NamedTuple):
 
 COLUMNS = Distance._fields
 HEAD = (
-    "distance of the run from curves of references, at the points of the run within their range",
+    "distance of the run from curves of references, at the points of the run within their range;",
+    "  of y_over_h without the one at the surface, and none where fewer than three are left",
     "rms: in the unit of the curve; share: rms over the range of the values of the reference",
 )
 
@@ -98,7 +104,13 @@ def read_reference(path: Path) -> Reference:
     table = read_table(path, grows=False)
     names = list(table)
     if len(names) < 2:
-        raise OutputError(f"{path} has the one column {names[0]}: a curve needs two")
+        raise OutputError(
+            f"{path} has the one column {names[0]}: a curve needs two, with a comma between them"
+        )
+    if names[0] not in ABSCISSAS:
+        raise OutputError(
+            f"{path}: its first column is {names[0]}, and should be one of {', '.join(ABSCISSAS)}"
+        )
     if table[names[0]].size == 0:
         raise OutputError(f"{path} has no rows: a curve needs points")
     if not np.all(np.diff(table[names[0]]) > 0.0):
@@ -118,11 +130,10 @@ def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Flo
     if reference.abscissa == "time":
         tables = {"run": found.fronts}
     elif reference.abscissa == "x":
-        last = found.deposits[-1]
-        tables = {f"t = {last.time:g} s": {"x": last.grid.x, **last.table}}
+        tables = {f"t = {found.deposits[-1].time:g} s": _along_x(found.deposits[-1])}
     else:
         tables = _by_station(found)
-        if reference.abscissa == NORMALIZED and name not in found.mean_profiles:
+        if reference.abscissa == NORMALIZED and is_velocity(found, name):
             name = "u_over_us"
     known = next(iter(tables.values()), {reference.abscissa: np.empty(0), name: np.empty(0)})
     for column in (reference.abscissa, name):
@@ -134,27 +145,56 @@ def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Flo
     return {label: (part[reference.abscissa], part[name]) for label, part in tables.items()}
 
 
+def is_velocity(found: Survey, name: str) -> bool:
+    """Return whether a curve over y/h stands for u/u_s: by its name, or as no other quantity."""
+    return name == "u_over_us" or name not in found.mean_profiles
+
+
+def _along_x(last: Deposition) -> Table:
+    """Return the deposit along x; in three dimensions the greatest values across."""
+    across = {name: greatest_across(last.grid, values) for name, values in last.table.items()}
+    x = next(middles for middles, _ in across.values())
+    return {"x": x} | {name: values for name, (_, values) in across.items()}
+
+
 def _by_station(found: Survey) -> dict[str, Table]:
     profiles = found.mean_profiles
     parts = {}
     for x in np.unique(profiles["station"]):
-        here = profiles["station"] == x
-        parts[f"x = {x:g} m"] = {name: values[here] for name, values in profiles.items()}
+        parts[f"x = {x:g} m"] = rows_where(profiles, profiles["station"] == x)
     if found.chosen and len(parts) > 1:
-        parts["mean of the stations"] = found.pooled_profile
+        parts[POOLED] = found.pooled_profile
     return parts
 
 
 def distances(found: Survey, reference: Reference) -> list[Distance]:
-    """Return how far the curves of a run are from those of a reference."""
+    """Return how far the curves of a run are from those of a reference.
+
+    At the points of the run within the range of the reference.  Of a normalized profile without the
+    point at its surface, which is 1 in both, and not where fewer than three are left.
+    """
     rows = []
     for curve in reference.curves:
+        known = ~np.isnan(reference.table[curve])
+        at, exact = reference.table[reference.abscissa][known], reference.table[curve][known]
         for label, (x, values) in ours(found, reference, curve).items():
-            at, exact = reference.table[reference.abscissa], reference.table[curve]
-            inside = (x >= at[0]) & (x <= at[-1]) & ~np.isnan(values)
-            error = values[inside] - np.interp(x[inside], at, exact)
+            ends = (at[0], at[-1]) if at.size else (np.inf, -np.inf)
+            inside = ~np.isnan(values) & (x >= ends[0]) & (x <= ends[1])
+            if reference.abscissa == NORMALIZED:
+                inside &= x < 1.0
+                inside &= np.count_nonzero(inside) >= FEWEST_POINTS
+            error = (
+                values[inside] - np.interp(x[inside], at, exact) if inside.any() else np.empty(0)
+            )
             rms = float(np.sqrt(np.mean(error**2))) if error.size else np.nan
-            extent = float(np.ptp(exact))
+            extent = float(np.ptp(exact)) if exact.size else 0.0
             share = rms / extent if extent > 0.0 else np.nan
             rows.append(Distance(reference.name, curve, label, error.size, rms, share))
     return rows
+
+
+def distances_to_all(found: Survey, given: Sequence[Reference]) -> list[Distance]:
+    """Return the distances to references, and where there are grains to the dilatant profile."""
+    has_grains = bool(found.mean_profiles["sediment_fraction"].any())
+    exact = (dilatant_profile(),) if has_grains else ()
+    return [row for one in (*exact, *given) for row in distances(found, one)]

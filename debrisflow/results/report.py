@@ -19,13 +19,24 @@ from debrisflow.results.answers import answers_by_heading
 from debrisflow.results.parameters import Parameter, parameters, summary
 from debrisflow.results.plots import DESCRIPTIONS
 from debrisflow.results.postprocess import postprocess
-from debrisflow.results.references import Reference
+from debrisflow.results.references import Reference, distances_to_all
 from debrisflow.results.survey import Survey
 
 FILE = "report.html"
 RUNNING = "still running, or interrupted"
 MIB = 2**20
 LARGEST_PICTURE = 8 * MIB
+
+
+TIMING = (
+    ("wall_seconds", "wall time", "{:.0f} s"),
+    ("steps", "steps", "{}"),
+    ("seconds_per_step", "seconds a step", "{:.3g}"),
+    ("particles", "particles at the end, walls included", "{}"),
+    ("particle_steps_per_second", "particle steps a second", "{:.3g}"),
+    ("threads", "threads", "{}"),
+    ("threading_layer", "threading layer", "{}"),
+)
 
 
 class Picture(NamedTuple):
@@ -65,7 +76,7 @@ def report(found: Survey, given: Sequence[Reference] = ()) -> Path:
     )
     environment.filters["figure"] = _figure
     page = environment.get_template("report.html").render(
-        **_contents(found), plots=plots, pictures=_pictures(found.run.folder / PICTURES)
+        **_contents(found, given), plots=plots, pictures=_pictures(found.run.folder / PICTURES)
     )
     path = found.run.folder / POSTPROCESS / FILE
     with replaced(path) as unfinished:
@@ -73,7 +84,18 @@ def report(found: Survey, given: Sequence[Reference] = ()) -> Path:
     return path
 
 
-def _contents(found: Survey) -> dict[str, Any]:
+def _warnings(found: Survey) -> list[str]:
+    """Return what a reader of the page must know before its figures."""
+    run, end = found.run, found.run.case.time.end
+    told = [f"of the run: {line}" for line in run.warnings]
+    if run.times[-1] < end * (1.0 - 1e-9):
+        told.append(f"the results end at t = {run.times[-1]:g} s of {end:g} s")
+    if found.mobility.bound:
+        told.append(f"the run-out is {found.mobility.bound}")
+    return told
+
+
+def _contents(found: Survey, given: Sequence[Reference]) -> dict[str, Any]:
     run, last = found.run, float(found.run.times[-1])
     return {
         "title": run.case.title,
@@ -88,7 +110,8 @@ def _contents(found: Survey) -> dict[str, Any]:
         "parameters": _tables(parameters(run.case)),
         "timing": _timing(run.summary),
         "versions": run.summary.get("versions", {}),
-        "warnings": run.warnings,
+        "warnings": _warnings(found),
+        "distances": [row for row in distances_to_all(found, given) if row.points],
         "version": __version__,
         "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "window": found.window,
@@ -111,19 +134,10 @@ def _table_of(key: str) -> str:
 
 
 def _timing(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    if not summary:
-        return []
-    seconds = summary["wall_seconds"]
-    rows = [
-        ("wall time", f"{seconds:.0f} s"),
-        ("steps", f"{summary['steps']}"),
-        ("time a step", f"{1e3 * summary['seconds_per_step']:.3g} ms"),
-        ("particles at the end", f"{summary['particles']}"),
-        ("particle steps a second", f"{summary['particle_steps_per_second']:.3g}"),
-        ("threads", f"{summary['threads']} ({summary['threading_layer']})"),
-    ]
-    phases = summary["wall_seconds_by_phase"].items()
-    return rows + [(f"of which {name}", f"{100 * part / seconds:.0f} %") for name, part in phases]
+    known = [(name, form.format(summary[key])) for key, name, form in TIMING if key in summary]
+    seconds, phases = summary.get("wall_seconds"), summary.get("wall_seconds_by_phase", {})
+    parts = phases.items() if seconds else ()
+    return known + [(f"of which {name}", f"{100 * part / seconds:.0f} %") for name, part in parts]
 
 
 def _pictures(folder: Path) -> list[Picture]:
@@ -133,6 +147,7 @@ def _pictures(folder: Path) -> list[Picture]:
 
 def _picture(file: Path) -> Picture:
     data = b64encode(file.read_bytes()).decode("ascii")
-    name = file.stem.replace("_", " ")
+    name = file.stem.replace("_", " by ", 1) if file.parent.name == PICTURES else file.stem
+    name = name.replace("_", " ")
     source = f"data:image/{file.suffix[1:]};base64,{data}"
     return Picture(name, DESCRIPTIONS.get(file.stem, name), source)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,12 +13,17 @@ from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
 from debrisflow.errors import OutputError
+from debrisflow.grid import plan
+from debrisflow.history import COLUMNS as HISTORY_COLUMNS
+from debrisflow.maxima import COLUMNS as MAXIMA_COLUMNS
 from debrisflow.output import CASE, DEPOSIT, FRAMES, HISTORY, LOG, MAXIMA, PROBES, SUMMARY
 from debrisflow.results.frames import Frame, read_frame
-from debrisflow.series import Table, read_table
+from debrisflow.series import Table, read_table, rows_where
 from debrisflow.vtu import read_collection
 
 Floats = NDArray[np.float64]
+# of a progress bar over frames
+BAR = "{desc} {percentage:3.0f}% |{bar:20}| {n_fmt} of {total_fmt}, {remaining} left"
 
 
 class Run:
@@ -74,6 +79,24 @@ class Run:
         nearest = len(times) - 1 if np.isinf(time) else int(np.argmin(np.abs(times - time)))
         return read_frame(*self.files[nearest])
 
+    def nearest(self, times: Iterable[float]) -> list[int]:
+        """Return the numbers of the frames nearest to some times, s, without repetition.
+
+        Raises
+        ------
+        OutputError
+            If a time is before the first frame or past the last one by more than half an interval.
+        """
+        known = self.times
+        slack = 0.5 * float(np.diff(known).max(initial=0.0)) + 1e-9
+        for time in times:
+            if not known[0] - slack <= time <= known[-1] + slack:
+                raise OutputError(
+                    f"there is no frame at t = {time:g} s: {self.folder} has {known.size} frames "
+                    f"from {known[0]:g} to {known[-1]:g} s"
+                )
+        return sorted({int(np.argmin(np.abs(known - time))) for time in times})
+
     def frames(self) -> Iterator[Frame]:
         """Yield all frames in the order of time."""
         for time, file in self.files:
@@ -82,9 +105,8 @@ class Run:
     @cached_property
     def history(self) -> Table:
         """Return ``history.csv``: a float64 array by column name, rows from t = 0 on."""
-        table = read_table(self.folder / HISTORY)
-        started = table["time"] >= 0.0
-        return {name: values[started] for name, values in table.items()}
+        table = read_table(self.folder / HISTORY, needed=HISTORY_COLUMNS)
+        return rows_where(table, table["time"] >= 0.0)
 
     @cached_property
     def deposit(self) -> Table:
@@ -94,7 +116,14 @@ class Run:
     @cached_property
     def maxima(self) -> Table:
         """Return ``maxima.csv``: a float64 array by column name, a row a cell."""
-        return read_table(self.folder / MAXIMA)
+        file = self.folder / MAXIMA
+        table = read_table(file, needed=MAXIMA_COLUMNS)
+        cells = plan(self.case).x.size
+        if table["x"].size != cells:
+            raise OutputError(
+                f"{file} is damaged: it has {table['x'].size} rows for {cells} cells of the plan"
+            )
+        return table
 
     def probe(self, name: str) -> Table:
         """Return the samples of a probe: a float64 array by column name."""

@@ -12,19 +12,26 @@ from debrisflow.case.shapes import Channel3D, Tank3D
 from debrisflow.geometry import domain, floor_bend, height_over_floor
 from debrisflow.measures import particle_volume, wetted_width
 from debrisflow.results.frames import Frame
-from debrisflow.series import Row, Table
+from debrisflow.series import Row, Table, rows_where
 
 Floats = NDArray[np.float64]
 UP = {2: "y", 3: "z"}
 ACROSS = {2: "", 3: ", over the width"}
-QUANTITIES = ("velocity", "concentration", "density", "granular_temperature")
+QUANTITIES = (
+    "velocity",
+    "concentration",
+    "sediment_fraction",
+    "density",
+    "granular_temperature",
+)
 PROFILES_HEAD = (
     "time: s; station: m, x along the bed; averages over one spacing to either side of it{across}",
     "  and over layers one spacing thick; layers without particles are left out",
     "{up}: m, middle of the layer above the fixed floor (under a bed: the bottom of its recess),",
     "  along its normal",
     "velocity: m/s, mean of the component along the floor",
-    "concentration: mean of the sediment concentrations that the particles see",
+    "concentration: mean of the sediment concentrations that the particles see around them",
+    "sediment_fraction: share of sediment in the particles themselves, as is density",
     "density: kg/m3; granular_temperature: m2/s2; means",
     "samples: particles in the mean",
 )
@@ -34,7 +41,8 @@ LEAST_FILLING = 1.0 / 3.0
 MEAN_HEAD = (
     "mean profiles over the {frames} frames from {start:g} to {end:g} s",
     "station: m, x along the bed; averages as in profiles.csv",
-    "{up}, velocity, concentration, density, granular_temperature, samples: as there",
+    "{up}, velocity, concentration, sediment_fraction, density, granular_temperature, samples: as",
+    "  there",
     "shear_rate: 1/s, of the mean velocity, by central differences over the layers",
     "y_over_h: (y - y0) / h, where y0 is the height at which the velocity is a tenth of u_s, the",
     "  floor if it is nowhere less, and y0 + h the middle of the uppermost layer a third full",
@@ -62,6 +70,7 @@ HYDROGRAPH_HEAD = (
     "in a case that repeats along x there are no volumes: nan",
 )
 VOLUME = {2: "m2", 3: "m3"}
+COUNT_DIGITS = 6  # of a particle, above the rounding of sums over particles
 
 
 def profile_columns(dimension: int) -> tuple[str, ...]:
@@ -142,12 +151,9 @@ def mean_profiles(
     if pooled and stations.size:
         groups = [(float(stations.mean()), inside, frames * stations.size)]
     else:
-        groups = [(x, inside & (profiles["station"] == x), frames) for x in stations]
+        groups = [(float(x), inside & (profiles["station"] == x), frames) for x in stations]
     names = ("station", UP[case.dimension], *QUANTITIES, *OF_MEANS)
-    parts = [
-        _mean_profile(case, {name: values[rows] for name, values in profiles.items()}, x, count)
-        for x, rows, count in groups
-    ]
+    parts = [_mean_profile(case, rows_where(profiles, rows), x, count) for x, rows, count in groups]
     columns = zip(*parts, strict=True) if parts else ([np.empty(0)] for _ in names)
     return {name: np.concatenate(column) for name, column in zip(names, columns, strict=True)}
 
@@ -163,7 +169,7 @@ def _mean_profile(case: tables.Case, rows: Table, station: float, count: int) ->
     y = np.asarray((filled + 0.5) * d0, dtype=np.float64)
     shear = np.gradient(means[0], y) if y.size > 1 else np.full(y.size, np.nan)
     full = np.asarray(samples[filled] >= LEAST_FILLING * count * _particles_of_a_full_layer(case))
-    scaled = normalized(y, means[0], full)
+    scaled = normalized(y, means[0], full, case.output.rest_speed)
     return [np.full(y.size, station), y, *means, samples[filled], shear, *scaled]
 
 
@@ -190,7 +196,9 @@ def _particles_of_a_full_layer(case: tables.Case) -> float:
     return 2.0 * shape.width / case.particles.spacing
 
 
-def normalized(y: Floats, velocity: Floats, full: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+def normalized(
+    y: Floats, velocity: Floats, full: NDArray[np.bool_], least_speed: float
+) -> tuple[Floats, Floats]:
     """Return (y - y0) / h and u / u_s of a profile; nan below y0 and above its surface.
 
     Parameters
@@ -199,17 +207,19 @@ def normalized(y: Floats, velocity: Floats, full: NDArray[np.bool_]) -> tuple[Fl
         Upwards.
     full : (n,) bool array
         Which layers are full enough for the surface to be in or above them.
+    least_speed : float, m/s
+        A flow is faster at its surface; else all is nan.
 
     Examples
     --------
     >>> y = np.array([0.5, 1.5, 2.5, 3.5, 4.5])
-    >>> scaled = normalized(y, np.array([0.0, 0.0, 1.0, 2.0, 2.5]), np.array([1, 1, 1, 1, 0]) > 0)
+    >>> scaled = normalized(y, np.array([0.0, 0.0, 1.0, 2.0, 2.5]), np.arange(5) < 4, 0.05)
     >>> print(*scaled)
     [       nan        nan 0.44444444 1.                nan] [nan nan 0.5 1.  nan]
     """
     height, speed = np.full(y.size, np.nan), np.full(y.size, np.nan)
     surface = int(np.flatnonzero(full)[-1]) if full.any() else -1
-    if surface < 0 or velocity[surface] <= 0.0:
+    if surface < 0 or velocity[surface] <= least_speed:
         return height, speed
     least = MOVING_SHARE * velocity[surface]
     slower = np.flatnonzero(velocity[:surface] < least)
@@ -227,7 +237,7 @@ def normalized(y: Floats, velocity: Floats, full: NDArray[np.bool_]) -> tuple[Fl
 def hydrograph_rows(
     case: tables.Case, frame: Frame, stations: Iterable[float], gone: tuple[float, float]
 ) -> Iterator[Row]:
-    """Yield what is downstream of each station, and depth and speed there, at the time of a frame.
+    """Yield how much is downstream of each station, and depth and speed there, in a frame.
 
     Depth and speed are those of a section probe: sums over particles of volume V with the weight
     ``h = (1 - |x_i - x| / d0) / d0``, whose integral is 1.
@@ -238,19 +248,20 @@ def hydrograph_rows(
     frame : Frame
     stations : iterable of float, m
     gone : (float, float)
-        Volume that has left the run until then, and of the grains in it, m3 or m2.
+        Particles that have left the run until then, and the volume of the grains in them, in
+        particles.
 
     Yields
     ------
     tuple
-        time, station, volume and sediment volume downstream or gone, depth, speed.
+        time, station, particles and volume of grains downstream or gone, depth, speed.
     """
     d0, volume, fluid = case.particles.spacing, particle_volume(case), frame.fluid
     x, share = frame.position[fluid, 0], frame.sediment_fraction[fluid]
     repeats = domain(case).period[0] > 0.0
     for station in stations:
         past = np.nan if repeats else x >= station
-        passed = volume * np.sum(past) + gone[0], volume * np.sum(past * share) + gone[1]
+        passed = np.sum(past) + gone[0], np.sum(past * share) + gone[1]
         offset = np.abs(_offset(case, x, station))
         rows = np.flatnonzero(offset < d0)
         part = volume * (1.0 - offset[rows] / d0) / d0
@@ -263,14 +274,15 @@ def hydrograph_rows(
         yield frame.time, station, *passed, depth, speed
 
 
-def hydrographs(rows: list[Row]) -> Table:
-    """Return the hydrographs of all frames from what is downstream of each station."""
+def hydrographs(case: tables.Case, rows: list[Row]) -> Table:
+    """Return the hydrographs of all frames from how much is downstream of each station."""
     known = np.array(rows, dtype=float).reshape(len(rows), 6)
     time, station, passed = known[:, 0], known[:, 1], known[:, 2:4]
     volumes, rates = np.full((2, len(rows), 2), np.nan)
     for place in np.unique(station):
         here = station == place
-        volumes[here] = passed[here] - passed[here][0]
+        count = np.round(passed[here] - passed[here][0], COUNT_DIGITS)
+        volumes[here] = particle_volume(case) * count
         if np.count_nonzero(here) > 1:
             rates[here] = np.gradient(volumes[here], time[here], axis=0)
     columns = np.column_stack([time, station, rates, known[:, 4:], volumes]).T

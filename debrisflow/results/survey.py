@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from debrisflow.errors import OutputError
 from debrisflow.grid import floor_length
 from debrisflow.measures import particle_volume
 from debrisflow.results.budgets import budget_table, momentum_row, momentum_table
 from debrisflow.results.deposition import Deposition, deposition
-from debrisflow.results.frames import Frame, read_frame
+from debrisflow.results.frames import read_frame
 from debrisflow.results.fronts import Mobility, front_row, front_table, mobility
-from debrisflow.results.run import Run
+from debrisflow.results.run import BAR, Run
 from debrisflow.results.stations import (
     hydrograph_rows,
     hydrographs,
+    is_within,
     mean_profiles,
     profile_columns,
     profile_rows,
@@ -30,7 +32,7 @@ from debrisflow.state import PHASES
 Floats = NDArray[np.float64]
 STATIONS = 7
 WINDOW_SHARE = 0.2
-BAR = "{desc} {percentage:3.0f}% |{bar:20}| {n_fmt} of {total_fmt}, {remaining} left"
+REST_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,14 @@ class Survey:
         """Return the profile averaged over the window and the stations."""
         return mean_profiles(self.run.case, self.profiles, self.window, pooled=True)
 
+    @property
+    def rest_time(self) -> float:
+        """Return the time from which on less than 1 % of the volume moves, s; nan if none."""
+        moving = np.flatnonzero(self.fronts["moving_share"] >= REST_SHARE)
+        later = moving[-1] + 1 if moving.size else 0
+        time = self.fronts["time"]
+        return float(time[later]) if later < time.size else np.nan
+
     @cached_property
     def budget(self) -> Table:
         """Return mass by matter and energies in time."""
@@ -101,7 +111,8 @@ def survey(
     Raises
     ------
     OutputError
-        If there are no frames, or one is missing or damaged.
+        If there are no frames, or one is missing or damaged; if a station is outside the domain,
+        or no frame within the window or at a time.
     """
     case, at = run.case, run.times
     if window is None:
@@ -109,20 +120,19 @@ def survey(
     places = tuple(dict.fromkeys(stations)) or tuple(
         k * floor_length(case) / (STATIONS + 1) for k in range(1, STATIONS + 1)
     )
-    wanted = {0, len(at) - 1, *(int(np.argmin(np.abs(at - time))) for time in times)}
+    _must_be_inside(run, places, window)
+    wanted = {0, len(at) - 1, *run.nearest(times)}
     rows: dict[str, list[Row]] = {name: [] for name in ("front", "profile", "station", "momentum")}
-    deposits, first = [], None
+    deposits: list[Deposition] = []
     progress = tqdm(run.files, desc=f"{run.name}: frames", bar_format=BAR)
     for number, (time, file) in enumerate(progress):
         frame = read_frame(time, file)
-        first = frame if first is None else first
         rows["front"].append(front_row(case, frame))
         rows["profile"].extend(profile_rows(case, frame, places))
         rows["station"].extend(hydrograph_rows(case, frame, places, _gone(run, time)))
         rows["momentum"].append(momentum_row(case, frame))
         if number in wanted:
-            deposits.append(deposition(case, frame))
-    assert isinstance(first, Frame)
+            deposits.append(deposition(case, frame, deposits[0] if deposits else None))
     fronts = front_table(rows["front"])
     return Survey(
         run=run,
@@ -131,22 +141,34 @@ def survey(
         chosen=bool(stations),
         fronts=fronts,
         profiles=_table(profile_columns(case.dimension), rows["profile"]),
-        hydrographs=hydrographs(rows["station"]),
+        hydrographs=hydrographs(case, rows["station"]),
         momentum=momentum_table(case, rows["momentum"]),
         deposits=deposits,
-        mobility=mobility(run, fronts["time"], fronts["front_all"], first),
+        mobility=mobility(run, fronts["time"], fronts["front_all"], read_frame(*run.files[0])),
     )
 
 
+def _must_be_inside(run: Run, stations: Sequence[float], window: tuple[float, float]) -> None:
+    length, times = floor_length(run.case), run.times
+    for x in stations:
+        if not 0.0 <= x <= length:
+            raise OutputError(f"the station x = {x:g} m is outside the domain, 0 to {length:g} m")
+    if not is_within(times, window).any():
+        raise OutputError(
+            f"no frame is between {window[0]:g} and {window[1]:g} s: {run.folder} has "
+            f"{times.size} from {times[0]:g} to {times[-1]:g} s"
+        )
+
+
 def _gone(run: Run, time: float) -> tuple[float, float]:
-    """Return the volume that has left a run until a time, and of the grains in it, m3 or m2."""
+    """Return the particles that have left a run until a time, and the grains in them."""
     history, ways = run.history, ("out", "through_wall")
     if history["time"].size == 0:
         return 0.0, 0.0  # it has not started
     count = sum(history[f"particles_{way}_{phase}"] for way in ways for phase in PHASES)
     grains = sum(history[f"sediment_volume_{way}"] for way in ways)
-    volumes = particle_volume(run.case) * count, grains
-    everything, sediment = (float(np.interp(time, history["time"], v)) for v in volumes)
+    both = count, grains / particle_volume(run.case)
+    everything, sediment = (float(np.interp(time, history["time"], v)) for v in both)
     return everything, sediment
 
 

@@ -222,7 +222,7 @@ class PlanPanels:
         self.levels = self._levels(float(greatest))
         unit = "cm" if self.in_centimeters else "mm"
         drawn = f"contours: height of the deposit in {unit}"
-        self.remark = drawn if self.levels.size else "no deposit as thick as a particle"
+        self.remark = drawn if self.levels.size else ""
 
     def _levels(self, greatest: float) -> Floats:
         """Return heights of contours, m; none below a spacing, which a single layer has."""
@@ -244,7 +244,7 @@ class PlanPanels:
         _show(axes, self._view.picture(tiles), self.window)
         axes.set_ylabel("y (m)", fontsize=SMALL, labelpad=2)
         self._draw_surroundings(axes)
-        if self.levels.size:
+        if self.levels.size and frame.time > 0.0:  # what is there at the start is no deposit yet
             self._draw_contours(axes, self.deposit(frame))
 
     def _draw_contours(self, axes: Axes, deposit: Floats) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+import pyvista
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 from PIL import Image
@@ -35,7 +36,7 @@ from debrisflow.results.pictures.panels import (
 )
 from debrisflow.results.pictures.sheet import TEXT, Sheet, layout
 from debrisflow.results.pictures.views import Window
-from debrisflow.results.run import Run, open_run
+from debrisflow.results.run import BAR, Run, open_run
 
 PANELS = 6
 MOST_FRAMES = 100  # of an animation
@@ -48,7 +49,7 @@ def render(
     folder: Path,
     by: str | None = None,
     times: Sequence[float] | None = None,
-    window: Sequence[float] | None = None,
+    view: Sequence[float] | None = None,
 ) -> list[Path]:
     """Draw the frames of a run into its folder ``render``.
 
@@ -65,7 +66,7 @@ def render(
         kinds, else the speed.
     times : sequence of float, optional
         Of the panels, s: the nearest frames; six evenly spread ones if left out.
-    window : sequence of four float, optional
+    view : sequence of four float, optional
         Ends of x and of y that are shown, m, in two dimensions; all if left out.
 
     Returns
@@ -80,59 +81,40 @@ def render(
         nothing can be rendered here.
     """
     run = open_run(folder)
-    if window is not None and run.case.dimension == 3:
-        raise OutputError("a window is for runs in two dimensions, and this one has three")
-    chosen = choose_frames(run.times, times)
+    if view is not None and run.case.dimension == 3:
+        raise OutputError("a view of a part is for runs in two dimensions, and this one has three")
+    known = run.times
+    chosen = run.nearest(np.linspace(known[0], known[-1], PANELS) if times is None else times)
     moving = np.unique(np.linspace(0, len(run.files) - 1, MOST_FRAMES).round().astype(int))
     require_offscreen()
-
-    numbers = tqdm(chosen, desc="reading frames", leave=False)
-    frames = [shown(run, number) for number in numbers]
-    by = by or default_field(frames)
-    scale = scale_of(frames, by)
-    painter = Painter(run, scale, kinds_of(frames))
-    target = folder / PICTURES
-    views = views_of(run, frames, moving, window)
-    written = []
-    for view in views:
-        page, file = painter.page(view, frames), target / f"{view.name}_{by}.png"
-        with replaced(file) as unfinished:
-            page.save(unfinished, format="PNG", dpi=(DOTS, DOTS))
-        written.append(file)
-        if view is views[0]:
-            file = file.with_suffix(".gif")
-            painter.animate(view, moving, file)
-            written.append(file)
-        view.close()
-    return written
+    with pyvista.vtk_verbosity("off"):  # VTK tells that there is no screen
+        frames = [shown(run, number) for number in tqdm(chosen, desc="reading", bar_format=BAR)]
+        by = by or default_field(frames)
+        painter = Painter(run, scale_of(frames, by), kinds_of(frames))
+        views = views_of(run, frames, moving, view)
+        return [
+            file for one in views for file in _write(painter, one, frames, moving, by, views[0])
+        ]
 
 
-def choose_frames(known: NDArray[np.float64], times: Sequence[float] | None) -> list[int]:
-    """Return the numbers of the frames nearest to the times, without repetition.
-
-    Parameters
-    ----------
-    known : (n,) float64 array, s
-        Times of the frames.
-    times : sequence of float, optional
-        Six evenly spread ones if left out.
-
-    Examples
-    --------
-    >>> known = np.linspace(0.0, 1.0, 11)
-    >>> choose_frames(known, None), choose_frames(known, [0.52, 0.5, 1.0])
-    ([0, 2, 4, 6, 8, 10], [5, 10])
-    """
-    if times is None:
-        times = np.linspace(known[0], known[-1], PANELS).tolist()
-    slack = 0.5 * float(np.diff(known).max(initial=0.0)) + 1e-9
-    for time in times:
-        if not known[0] - slack <= time <= known[-1] + slack:
-            raise OutputError(
-                f"there is no frame at t = {time:g} s: the run has {known.size} frames "
-                f"from {known[0]:g} to {known[-1]:g} s"
-            )
-    return sorted({int(np.argmin(np.abs(known - time))) for time in times})
+def _write(
+    painter: Painter,
+    view: Panels,
+    frames: Sequence[Frame],
+    moving: NDArray[np.int64],
+    by: str,
+    animated: Panels,
+) -> list[Path]:
+    """Write the page of a view, and the animation of one of them, and return their files."""
+    page = painter.page(view, frames)
+    files = [painter.run.folder / PICTURES / f"{view.name}_{by}.png"]
+    with replaced(files[0]) as unfinished:
+        page.save(unfinished, format="PNG", dpi=(DOTS, DOTS))
+    if view is animated:
+        files.append(files[0].with_suffix(".gif"))
+        painter.animate(view, moving, files[1])
+    view.close()
+    return files
 
 
 def shown(run: Run, number: int) -> Frame:
@@ -150,7 +132,7 @@ def kinds_of(frames: Iterable[Frame]) -> set[int]:
 
 
 def views_of(
-    run: Run, frames: Sequence[Frame], moving: NDArray[np.int64], window: Sequence[float] | None
+    run: Run, frames: Sequence[Frame], moving: NDArray[np.int64], part: Sequence[float] | None
 ) -> list[Panels]:
     """Return the ways to see a run, the animated one first."""
     case = run.case
@@ -159,9 +141,9 @@ def views_of(
         extent = highest(extents)
         side = SidePanels(case, side_window(case, extent))
         return [PerspectivePanels(case, extent), PlanPanels(case, frames), side]
-    if window is not None:
-        return [SidePanels(case, Window(*window))]
-    read = tqdm(moving, desc="finding the highest flow", leave=False)
+    if part is not None:
+        return [SidePanels(case, Window(*part))]
+    read = tqdm(moving, desc="finding the highest flow", bar_format=BAR)
     extents += [extent_of(case, shown(run, number)) for number in read]
     return [SidePanels(case, side_window(case, highest(extents)))]
 

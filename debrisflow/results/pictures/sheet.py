@@ -12,6 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from debrisflow.results.pictures.coloring import COLOR_MAP, FIELDS, Scale
@@ -136,9 +137,10 @@ class Sheet:
         values = ScalarMappable(Normalize(scale.low, scale.high), colormaps[COLOR_MAP])
         extend = "max" if scale.clipped else "neither"
         bar = self.figure.colorbar(values, cax=axes, orientation="horizontal", extend=extend)
-        note = f"; greater for 1 % of the particles, up to {scale.greatest:.3g}"
+        note = f"; beyond the scale up to {scale.greatest:.3g} in these panels"
         bar.set_label(FIELDS[scale.by] + (note if scale.clipped else ""), fontsize=SMALL)
         axes.tick_params(labelsize=SMALL, length=2.5, pad=2)
+        axes.xaxis.set_major_locator(MaxNLocator(6))
 
     def add_kinds(self, words: dict[str, str]) -> None:
         """Draw a legend: a word for each color."""

@@ -248,8 +248,7 @@ def _surface(faces: Floats) -> pyvista.PolyData:
 
 
 def _shot(plotter: pyvista.Plotter) -> Image:
-    with pyvista.vtk_verbosity("off"):  # VTK tells that there is no screen
-        # pictures are made larger and reduced, which smooths edges; twice takes 3 times as long
-        plotter.render_window.SetMultiSamples(0)
-        plotter.render()
-        return np.asarray(plotter.screenshot(return_img=True))
+    # pictures are made larger and reduced, which smooths edges; twice takes 3 times as long
+    plotter.render_window.SetMultiSamples(0)
+    plotter.render()
+    return np.asarray(plotter.screenshot(return_img=True))

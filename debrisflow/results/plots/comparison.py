@@ -10,12 +10,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from debrisflow import __version__
-from debrisflow.results.deposition import Deposition, deposition
+from debrisflow.results.deposition import Deposition, deposition, greatest_across
 from debrisflow.results.plots.curves import legend
-from debrisflow.results.plots.maps import greatest_across, map_height, mapped
+from debrisflow.results.plots.maps import map_height, mapped
 from debrisflow.results.plots.style import CYCLE, LINES, panels, save, styled
 from debrisflow.results.references import NORMALIZED
 from debrisflow.results.survey import Survey
+from debrisflow.series import rows_where
 
 
 def draw_comparison(
@@ -78,6 +79,9 @@ def _curves(
     energy.set(ylabel=f"kinetic\nenergy, {unit}", xlabel="time, s")
     deposit.set_ylabel(f"deposit, cm\nt = {time:g} s")
     flow.set(ylabel=f"flow height, cm\nt = {time:g} s", xlabel="x, m")
+    latest = max(float(one.fronts["time"][-1]) for one in found)
+    for axes in (front, speed, energy):
+        axes.set_xlim(0.0, latest)
     legend(front)
     return figure
 
@@ -89,8 +93,8 @@ def _profiles(found: Sequence[Survey], names: Sequence[str]) -> Figure:
     figure, axes = panels(rows, columns, height=2.2, sharex=True, sharey=True)
     for x, panel in zip(stations, axes, strict=False):
         for one, name, (color, line) in zip(found, names, _styles(len(found)), strict=True):
-            here = one.mean_profiles["station"] == x
-            values = (one.mean_profiles[column][here] for column in ("u_over_us", NORMALIZED))
+            part = rows_where(one.mean_profiles, one.mean_profiles["station"] == x)
+            values = part["u_over_us"], part[NORMALIZED]
             panel.plot(*values, ".", color=color, linestyle=line, label=name)
         panel.set_title(f"x = {x:g} m", loc="left")
         panel.set(xlim=(0.0, 1.1), ylim=(0.0, 1.05))

@@ -22,14 +22,24 @@ from debrisflow.results.plots.style import (
     MATTER_COLORS,
     ORANGE,
     PHASE_COLORS,
+    SKY,
+    labelled,
     panels,
     sequence,
 )
-from debrisflow.results.references import NORMALIZED, Distance, Reference, dilatant_profile
+from debrisflow.results.references import (
+    NORMALIZED,
+    POOLED,
+    Distance,
+    Reference,
+    dilatant_profile,
+    is_velocity,
+)
 from debrisflow.results.survey import Survey
-from debrisflow.series import Table
+from debrisflow.series import Table, rows_where
 
 Floats = NDArray[np.float64]
+PHASE_WORDS = {"liquid": "water", "sediment": "sediment", "mixture": "mixture", "all": "all"}
 PROFILE_LABELS = {
     "velocity": "velocity, m/s",
     "concentration": "concentration",
@@ -47,15 +57,19 @@ def front_figure(found: Survey, given: Sequence[Reference]) -> Figure:
     if len(present) == 2:
         present = ["all"]  # one phase is all
     for name in present:
-        color = PHASE_COLORS[name]
-        place.plot(table["time"], table[f"front_{name}"], color=color, label=name)
-        place.plot(table["time"], table[f"outer_front_{name}"], ":", color=color)
-        speed.plot(table["time"], table[f"speed_{name}"], color=color, label=name)
-    place.plot([], [], "-", color="black", label="99.5 % of the volume")
-    place.plot([], [], ":", color="black", label="99.9 %")
+        style: Any = {"color": PHASE_COLORS[name], "label": PHASE_WORDS[name]}
+        place.plot(table["time"], table[f"front_{name}"], **style)
+        place.plot(table["time"], table[f"outer_front_{name}"], ":", color=style["color"])
+        speed.plot(table["time"], table[f"speed_{name}"], **style)
+    if present:
+        place.plot([], [], "-", color="black", label="99.5 % of the volume")
+        place.plot([], [], ":", color="black", label="99.9 %")
     history = found.run.history
     known = [(arrival(history["time"], history["front_all"], x), x) for x in found.stations]
-    place.plot(*zip(*known, strict=True), "o", ms=3, color="black", label="arrival at a station")
+    if known := [(when, x) for when, x in known if not np.isnan(when)]:
+        place.plot(
+            *zip(*known, strict=True), "o", ms=3, color="black", label="arrival at a station"
+        )
     for reference in given:
         if reference.abscissa == "time":
             for name, line in zip(reference.curves, LINES, strict=False):
@@ -82,12 +96,16 @@ def profile_figure(found: Survey, given: Sequence[Reference]) -> Figure:
     up = stations.UP[found.run.case.dimension]
     figure, axes = panels(2, 3, height=2.9, sharey=True)
     places = np.unique(found.mean_profiles["station"])
+    words = labelled([f"x = {x:g} m" for x in places])
     for (name, label), one in zip(PROFILE_LABELS.items(), axes, strict=False):
         if name == "granular_temperature" and not found.mean_profiles[name].any():
             one.text(0.5, 0.5, "no collision stress", transform=one.transAxes, ha="center", c=GRAY)
-        for x, color in zip(places, sequence(len(places)), strict=True):
-            part = _of_station(found.mean_profiles, x)
-            one.plot(part[name], part[up], ".-", ms=3, color=color, label=f"x = {x:g} m")
+            one.set_xlabel(label)
+            one.set_xticks([])
+            continue
+        for x, word, color in zip(places, words, sequence(len(places)), strict=True):
+            part = rows_where(found.mean_profiles, found.mean_profiles["station"] == x)
+            one.plot(part[name], part[up], ".-", ms=3, color=color, label=word)
         for reference in given:
             if reference.abscissa == up and name in reference.curves:
                 values = reference.table[name], reference.table[up]
@@ -104,43 +122,39 @@ def profile_figure(found: Survey, given: Sequence[Reference]) -> Figure:
     return figure
 
 
-def _of_station(table: Table, x: float) -> Table:
-    here = table["station"] == x
-    return {name: values[here] for name, values in table.items()}
-
-
 def normalized_figure(
     found: Survey, given: Sequence[Reference], measured: Sequence[Distance]
 ) -> Figure:
     """Return u/u_s against y/h by station, with the dilatant profile and the distances to it."""
     figure, (one,) = panels(1, height=4.2)
-    parts = {x: _of_station(found.mean_profiles, x) for x in found.stations}
-    labels = [f"x = {x:g} m" for x in parts]
-    if found.chosen and len(found.stations) > 1:
-        parts[np.inf] = found.pooled_profile
-        labels.append("mean of the stations")
+    profiles, places = found.mean_profiles, found.stations
     rms = {row.ours: row.rms for row in measured if row.reference == "dilatant"}
-    markers = "osv^D<>ph*"
-    for number, (part, label) in enumerate(zip(parts.values(), labels, strict=True)):
-        told = f"{label}: rms {rms[label]:.3f}" if np.isfinite(rms.get(label, np.nan)) else label
-        pooled = label == "mean of the stations"
-        color = "black" if pooled else sequence(len(found.stations))[number]
-        style = {"ms": 5, "mfc": "none"} if pooled else {"ms": 3}
-        marker = markers[number % len(markers)]
-        one.plot(part["u_over_us"], part[NORMALIZED], marker, color=color, label=told, **style)
+    words = labelled([_with_rms(f"x = {x:g} m", rms) for x in places])
+    markers = "osv^D<>ph*" * len(places)
+    for x, word, color, marker in zip(places, words, sequence(len(places)), markers, strict=False):
+        part = rows_where(profiles, profiles["station"] == x)
+        one.plot(part["u_over_us"], part[NORMALIZED], marker, ms=3, color=color, label=word)
+    if found.chosen and len(places) > 1:
+        part, word = found.pooled_profile, _with_rms(POOLED, rms)
+        values = part["u_over_us"], part[NORMALIZED]
+        one.plot(*values, "s", ms=6, mfc="none", color="black", label=word)
     exact = dilatant_profile()
     curve = exact.table["u_over_us"], exact.table[NORMALIZED]
     one.plot(*curve, color=GRAY, label="dilatant, 1 - (1 - y/h)^1.5")
     for reference in given:
         if reference.abscissa == NORMALIZED:
-            for name, line in zip(
-                reference.curves, LINES[1:] * len(reference.curves), strict=False
-            ):
+            curves = [name for name in reference.curves if is_velocity(found, name)]
+            for name, line in zip(curves, LINES[1:] * len(curves), strict=False):
                 values = reference.table[name], reference.table[NORMALIZED]
                 one.plot(*values, line, color=GREEN, label=f"{reference.name}: {name}")
     one.set(xlabel="u / u_s", ylabel="y / h above the bed", xlim=(-0.02, 1.15), ylim=(0.0, 1.05))
     legend(one)
     return figure
+
+
+def _with_rms(label: str, rms: dict[str, float]) -> str:
+    found = rms.get(label, np.nan)
+    return f"{label}: rms {found:.3f}" if np.isfinite(found) else label
 
 
 def hydrograph_figure(found: Survey) -> Figure:
@@ -149,9 +163,11 @@ def hydrograph_figure(found: Survey) -> Figure:
     per = "" if three else "\nper meter of width"
     figure, axes = panels(3, sharex=True)
     sections = [probe for probe in found.run.case.probe if isinstance(probe, SectionProbe)]
+    table, places = found.hydrographs, found.stations
+    words = labelled([f"x = {x:g} m" for x in places])
     curves: list[tuple[str, Table, Any, str]] = [
-        (f"x = {x:g} m", _of_station(found.hydrographs, x), color, "-")
-        for x, color in zip(found.stations, sequence(len(found.stations)), strict=True)
+        (word, rows_where(table, table["station"] == x), color, "-")
+        for x, word, color in zip(places, words, sequence(len(places)), strict=True)
     ]
     curves += [
         (f"section {probe.name}", found.run.probe(probe.name), color, "--")
@@ -169,35 +185,36 @@ def hydrograph_figure(found: Survey) -> Figure:
 
 
 def budget_figure(found: Survey) -> Figure:
-    """Return mass by matter and its closure, energies and momentum against time."""
+    """Return mass by matter, energies and forces along x against time.
+
+    Energy that goes in and out with mass is not known, so that its total is drawn without such.
+    """
     table, momentum = found.budget, found.momentum
-    per = "" if found.run.case.dimension == 3 else " per meter of width"
-    figure, (mass, closure, energy, force) = panels(2, 2, height=2.6)
+    per = "" if found.run.case.dimension == 3 else "\nper meter of width"
+    figure, (mass, energy, force) = panels(3, sharex=True)
     ways = {"inside": "-", "in": "--", "out": ":", "through_wall": "-."}
-    for matter in MATTER:
+    crossing = any(table[f"mass_{way}_{one}"].any() for way in ("in", "out") for one in MATTER)
+    for matter, color in MATTER_COLORS.items():
         for way, line in ways.items():
             values = table[f"mass_{way}_{matter}"]
             if values.any():
                 label = f"{matter}, {way.replace('_', ' ')}"
-                mass.plot(table["time"], values, line, color=MATTER_COLORS[matter], label=label)
-        error = table[f"closure_{matter}"]
-        closure.plot(table["time"], error, color=MATTER_COLORS[matter], label=matter)
-    names = ("kinetic", "potential", "elastic", "total")
-    for name, color in zip(names, (ORANGE, PHASE_COLORS["liquid"], GREEN, "black"), strict=True):
+                mass.plot(table["time"], values, line, color=color, label=label)
+    names = ("kinetic", "elastic") if crossing else ("kinetic", "elastic", "potential", "total")
+    for name, color in zip(names, (ORANGE, GREEN, SKY, "black"), strict=False):
         values = table[f"{name}_energy"]
-        change = values - values[:1] if name in ("potential", "total") else values
-        told = f"{name}, since the start" if name in ("potential", "total") else name
+        is_change = name in ("potential", "total")
+        told = f"{name}, since the start" if is_change else name
         if values.any():
-            energy.plot(table["time"], change, color=color, label=told)
+            energy.plot(table["time"], values - is_change * values[:1], color=color, label=told)
     force.plot(momentum["time"], momentum["gravity_x"], color=GRAY, label="weight along x")
     force.plot(
         momentum["time"], momentum["resistance_x"], color=ORANGE, label="resistance and flux"
     )
+    worst = [float(np.abs(table[f"closure_{one}"]).max(initial=0.0)) for one in MATTER]
+    mass.set_title(f"greatest error of the balance: {max(worst):.2g} kg", loc="left")
     mass.set_ylabel(f"mass, kg{per}")
-    closure.set_ylabel(f"closure error, kg{per}")
-    energy.set(ylabel=f"energy, J{per}", xlabel="time, s")
+    energy.set_ylabel(f"energy, J{per}")
     force.set(ylabel=f"force along x, N{per}", xlabel="time, s")
-    for one in (mass, closure, energy, force):
-        if one.get_legend_handles_labels()[1]:
-            one.legend(loc="best")
+    legend(mass, energy, force)
     return figure

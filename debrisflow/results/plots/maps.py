@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from debrisflow.grid import Grid
-from debrisflow.results.deposition import Deposition
+from debrisflow.results.deposition import Deposition, greatest_across, smoothed
 from debrisflow.results.plots.curves import legend
 from debrisflow.results.plots.style import (
     BLUE,
@@ -32,43 +32,46 @@ MAP_WIDTH, LEAST_HEIGHT, GREATEST_HEIGHT = 5.4, 0.9, 3.6  # inch
 def deposit_figure(found: Survey, given: Sequence[Reference]) -> Figure:
     """Return the deposit: its profiles in two dimensions, its map and profiles in three."""
     if found.run.case.dimension == 3:
-        return _deposit_map(found)
+        return _deposit_map(found, given)
     return _deposit_profiles(found, given)
 
 
 def _deposit_profiles(found: Survey, given: Sequence[Reference]) -> Figure:
     deposits, last = found.deposits, found.deposits[-1]
-    has_bed = bool(last.table["initial_bed"].any())
-    figure, axes = panels(3 if has_bed else 2, height=2.2, sharex=True)
-    height, matter, x = axes[0], axes[1], last.grid.x
-    if has_bed:
-        height.plot(x, last.table["initial_bed"], "--", color=GRAY, label="initial bed")
-        axes[2].axhline(0.0, color=GRAY, lw=0.8)
-        axes[2].set_ylabel("deposit less initial bed, m\n(erosion < 0)")
+    figure, (height, matter, change) = panels(3, height=2.2, sharex=True)
+    x = last.grid.x
     for one, color in zip(deposits, sequence(len(deposits)), strict=True):
-        height.plot(x, one.table["deposit_height"], color=color, label=_at(one))
-        if has_bed:
-            axes[2].plot(x, one.table["bed_change"], color=color, label=_at(one))
-    height.plot(x, last.table["flow_height"], ":", color=BLUE, label=f"flow, {_at(last)}")
+        height.plot(x, 100.0 * one.table["deposit_height"], color=color, label=_at(one))
+        change.plot(x, 100.0 * one.table["bed_change"], color=color, label=_at(one))
+    height.plot(x, 100.0 * last.table["flow_height"], ":", color=BLUE, label=f"flow, {_at(last)}")
     for name, shade in MATTER_COLORS.items():
-        matter.plot(x, last.table[f"{name}_depth"], color=shade, label=f"{name}, {_at(last)}")
+        values = 100.0 * smoothed(last.grid, last.table[f"{name}_depth"])
+        matter.plot(x, values, color=shade, label=f"{name}, {_at(last)}")
+    _draw_references(given, (height, matter, change))
+    height.set_ylabel("deposit over the\nfixed floor, cm")
+    matter.set_ylabel("volume over\narea, cm")
+    change.set(xlabel="x, m", ylabel="deposition, or\nerosion < 0, cm")
+    legend(height, matter, change)
+    return figure
+
+
+def _draw_references(given: Sequence[Reference], axes: Sequence[Axes]) -> None:
+    """Draw curves over x into the axes of height, matter or change where they belong."""
+    height, matter, change = axes
+    places = {"sediment_depth": matter, "water_depth": matter, "bed_change": change}
+    places |= dict.fromkeys(("deposit_height", "flow_height", "deposit_depth"), height)
     for reference in given:
         if reference.abscissa == "x":
-            for name in reference.curves:
-                values = reference.table["x"], reference.table[name]
-                height.plot(*values, "k--", label=f"{reference.name}: {name}")
-    height.set_ylabel("deposit over\nthe fixed floor, m")
-    matter.set_ylabel("volume over area, m")
-    axes[-1].set_xlabel("x, m")
-    legend(*axes)
-    return figure
+            for name in (name for name in reference.curves if name in places):
+                values = reference.table["x"], 100.0 * reference.table[name]
+                places[name].plot(*values, "k--", label=f"{reference.name}: {name}")
 
 
 def _at(one: Deposition) -> str:
     return f"t = {one.time:g} s"
 
 
-def _deposit_map(found: Survey) -> Figure:
+def _deposit_map(found: Survey, given: Sequence[Reference]) -> Figure:
     last = found.deposits[-1]
     tall = map_height(last.grid)
     figure, (lying, flowing, profile) = panels(3, height=(tall, tall, 2.3), sharex=True)
@@ -82,6 +85,7 @@ def _deposit_map(found: Survey) -> Figure:
         profile.plot(x, 100.0 * height, color=color, label=_at(one))
     x, height = greatest_across(last.grid, last.table["flow_height"])
     profile.plot(x, 100.0 * height, ":", color=BLUE, label=f"flow, {_at(last)}")
+    _draw_references(given, (profile, profile, profile))
     profile.set(xlabel="x, m", ylabel="greatest height across,\ncm over the floor")
     legend(profile)
     return figure
@@ -103,8 +107,8 @@ def maxima_figure(found: Survey) -> Figure:
         else:
             one.plot(grid.x, scale * maxima[name], color=color)
             one.set_ylabel(label)
-        if np.isnan(maxima[name]).all():
-            one.text(0.5, 0.5, "nowhere", transform=one.transAxes, ha="center", color=GRAY)
+            if np.isnan(maxima[name]).all():
+                one.text(0.5, 0.5, "nowhere", transform=one.transAxes, ha="center", color=GRAY)
     axes[-1].set_xlabel("x, m")
     return figure
 
@@ -153,19 +157,17 @@ def mapped(
             grid.along, grid.across, field.T, cmap="viridis", vmin=0.0, vmax=greatest
         )
         beside = axes.inset_axes((1.02, 0.0, 0.025, 1.0))
-        axes.figure.colorbar(mesh, cax=beside, label=label, extend="max")
+        bar = axes.figure.colorbar(mesh, cax=beside, label=label, extend="max")
         x, y = (0.5 * (edges[:-1] + edges[1:]) for edges in (grid.along, grid.across))
         if contours and min(field.shape) >= 2 and greatest > 0.0:
             levels = np.linspace(0.0, greatest, LEVELS + 1)[1:-1:2]
             levels = levels[(levels > np.nanmin(field)) & (levels < np.nanmax(field))]
             if levels.size:  # none crosses what is nearly even
                 filled = np.ma.masked_invalid(field).T
-                axes.contour(x, y, filled, levels, colors="black", linewidths=0.4)
+                lines = axes.contour(x, y, filled, levels, colors="black", linewidths=0.4)
+                bar.add_lines(lines)
+    else:
+        told = f"nothing: {label.splitlines()[0]}"
+        axes.text(0.5, 0.5, told, transform=axes.transAxes, ha="center", va="center", color=GRAY)
     axes.set(aspect="equal", ylabel="y, m")
     axes.grid(False)
-
-
-def greatest_across(grid: Grid, values: Floats) -> tuple[Floats, Floats]:
-    """Return the middles of the columns of a grid along x, and the greatest value in each."""
-    field = np.where(grid.number >= 0, values[grid.number], -np.inf)
-    return 0.5 * (grid.along[:-1] + grid.along[1:]), field.max(axis=1)

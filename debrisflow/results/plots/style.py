@@ -20,7 +20,8 @@ from debrisflow.results.run import Run
 
 WIDTH = 7.0  # inch, of a page's text
 DPI = 150
-CAPTION_LETTERS = 150
+CAPTION_LETTERS, MOST_LINES = 150, 10
+MOST_NAMES = 12  # in a legend
 # Okabe & Ito
 BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GRAY = (
     "#0072b2",
@@ -76,6 +77,8 @@ def save(figure: Figure, path: Path, title: str, captions: Sequence[str]) -> Pat
     """Write a figure with its title above and its captions below it."""
     figure.suptitle(title, fontsize=9, x=0.01, ha="left")
     lines = [line for text in captions for line in textwrap.wrap(text, CAPTION_LETTERS)]
+    if len(lines) > MOST_LINES:
+        lines[MOST_LINES - 1 :] = [f"and {len(lines) - MOST_LINES + 1} lines more"]
     figure.supxlabel("\n".join(lines), fontsize=6, x=0.01, ha="left", color=GRAY)
     with replaced(path) as unfinished:
         figure.savefig(unfinished, dpi=DPI, format="png", metadata={"Software": "debrisflow"})
@@ -87,7 +90,14 @@ def sequence(count: int) -> list[tuple[float, float, float, float]]:
     return [mpl.colormaps["viridis"](shade) for shade in np.linspace(0.0, 0.85, count)]
 
 
+def labelled(names: Sequence[str]) -> list[str]:
+    """Return names for a legend, of many only some; a name with _ is left out of a legend."""
+    step = -(-len(names) // MOST_NAMES)
+    return [name if k % step == 0 else f"_{name}" for k, name in enumerate(names)]
+
+
 def caption(run: Run) -> str:
     """Return the source of a plot: run, parameters that matter, version."""
-    told = summary(run.case).replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}")
+    parts = (part.replace(" ", "\N{NO-BREAK SPACE}") for part in summary(run.case).split(", "))
+    told = ", ".join(parts)
     return f"{run.name}: {run.case.title}. {told}. debrisflow {__version__}"
