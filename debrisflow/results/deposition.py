@@ -169,7 +169,7 @@ def smoothed(grid: Grid, depth: Floats) -> Floats:
     means = uniform_filter(volume, size, mode="constant")[here]
     means /= uniform_filter(area, size, mode="constant")[here]
     found = np.empty(grid.x.size)
-    found[grid.number[here]] = means
+    found[grid.number[here]] = np.round(means, 9)  # the filter leaves rounding behind
     return found
 
 

@@ -46,7 +46,9 @@ class Parameter(NamedTuple):
 
 def parameters(case: tables.Case) -> list[Parameter]:
     """Return all fields of a case, in the order of the file."""
-    return list(_walk(case, ""))
+    found = list(_walk(case, ""))
+    rate = "m3/s" if case.dimension == 3 else "m2/s"
+    return [one._replace(unit=rate) if one.unit == tables.DISCHARGE else one for one in found]
 
 
 def _walk(table: Table, prefix: str) -> Iterator[Parameter]:

@@ -18,7 +18,7 @@ from debrisflow.atomic import replaced
 from debrisflow.results.parameters import summary
 from debrisflow.results.run import Run
 
-WIDTH = 7.0  # inch, of a page's text
+WIDTH, LINE = 7.0, 0.12  # inch, of a page's text, and the height of a line of a caption
 DPI = 150
 CAPTION_LETTERS, MOST_LINES = 150, 10
 MOST_NAMES = 12  # in a legend
@@ -79,6 +79,8 @@ def save(figure: Figure, path: Path, title: str, captions: Sequence[str]) -> Pat
     lines = [line for text in captions for line in textwrap.wrap(text, CAPTION_LETTERS)]
     if len(lines) > MOST_LINES:
         lines[MOST_LINES - 1 :] = [f"and {len(lines) - MOST_LINES + 1} lines more"]
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(width, height + LINE * len(lines))
     figure.supxlabel("\n".join(lines), fontsize=6, x=0.01, ha="left", color=GRAY)
     with replaced(path) as unfinished:
         figure.savefig(unfinished, dpi=DPI, format="png", metadata={"Software": "debrisflow"})
