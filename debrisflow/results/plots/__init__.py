@@ -21,7 +21,8 @@ DESCRIPTIONS = {
     "front": "How far the flow has reached, by phase, and the speed of its front.",
     "profiles": "Means over the height at the stations.",
     "normalized_profiles": (
-        "Velocity above the bed, over that at the surface, against the profile of colliding grains."
+        "Velocity over that at the surface, and concentration, above the bed; grains that collide have "
+        "the profile drawn."
     ),
     "hydrographs": "What went through the stations and sections.",
     "deposit": "Height of what lies at rest, and of the flow.",
@@ -42,7 +43,7 @@ def draw(
             "front": ("Front of what flows", front_figure(found, given)),
             "profiles": (f"Profiles over the height, {mean}", profile_figure(found, given)),
             "normalized_profiles": (
-                f"Velocity profiles above the bed, {mean}",
+                f"Velocity and concentration above the bed, {mean}",
                 normalized_figure(found, given, measured),
             ),
             "hydrographs": ("Discharge and passed volume", hydrograph_figure(found)),

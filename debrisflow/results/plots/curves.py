@@ -40,6 +40,7 @@ from debrisflow.series import Table, rows_where
 
 Floats = NDArray[np.float64]
 PHASE_WORDS = {"liquid": "water", "sediment": "sediment", "mixture": "mixture", "all": "all"}
+NORMALIZED_LABELS = {"u_over_us": "u / u_s", "concentration": "concentration"}
 PROFILE_LABELS = {
     "velocity": "velocity, m/s",
     "concentration": "concentration",
@@ -125,31 +126,47 @@ def profile_figure(found: Survey, given: Sequence[Reference]) -> Figure:
 def normalized_figure(
     found: Survey, given: Sequence[Reference], measured: Sequence[Distance]
 ) -> Figure:
-    """Return u/u_s against y/h by station, with the dilatant profile and the distances to it."""
-    figure, (one,) = panels(1, height=4.2)
+    """Return u/u_s and C against y/h by station, with the dilatant profile and the distances."""
+    figure, axes = panels(1, 2, height=3.6, sharey=True)
+    velocity, concentration = axes
     profiles, places = found.mean_profiles, found.stations
     rms = {row.ours: row.rms for row in measured if row.reference == "dilatant"}
     words = labelled([_with_rms(f"x = {x:g} m", rms) for x in places])
     markers = "osv^D<>ph*" * len(places)
     for x, word, color, marker in zip(places, words, sequence(len(places)), markers, strict=False):
         part = rows_where(profiles, profiles["station"] == x)
-        one.plot(part["u_over_us"], part[NORMALIZED], marker, ms=3, color=color, label=word)
+        for one, name in zip(axes, NORMALIZED_LABELS, strict=True):
+            one.plot(part[name], part[NORMALIZED], marker, ms=3, color=color, label=word)
     if found.chosen and len(places) > 1:
         part, word = found.pooled_profile, _with_rms(POOLED, rms)
         values = part["u_over_us"], part[NORMALIZED]
-        one.plot(*values, "s", ms=6, mfc="none", color="black", label=word)
-    exact = dilatant_profile()
-    curve = exact.table["u_over_us"], exact.table[NORMALIZED]
-    one.plot(*curve, color=GRAY, label="dilatant, 1 - (1 - y/h)^1.5")
+        velocity.plot(*values, "s", ms=6, mfc="none", color="black")
+        concentration.plot([], [], "s", ms=6, mfc="none", color="black", label=word)
+    exact = dilatant_profile().table
+    velocity.plot(exact["u_over_us"], exact[NORMALIZED], color=GRAY)
+    concentration.plot([], [], color=GRAY, label="dilatant, 1 - (1 - y/h)^1.5")
     for reference in given:
         if reference.abscissa == NORMALIZED:
-            curves = [name for name in reference.curves if is_velocity(found, name)]
-            for name, line in zip(curves, LINES[1:] * len(curves), strict=False):
-                values = reference.table[name], reference.table[NORMALIZED]
-                one.plot(*values, line, color=GREEN, label=f"{reference.name}: {name}")
-    one.set(xlabel="u / u_s", ylabel="y / h above the bed", xlim=(-0.02, 1.15), ylim=(0.0, 1.05))
-    legend(one)
+            _draw_normalized(found, reference, velocity, concentration)
+    for one, label in zip(axes, NORMALIZED_LABELS.values(), strict=True):
+        one.set(xlabel=label, xlim=(-0.02, 1.05), ylim=(0.0, 1.05))
+    velocity.set_ylabel("y / h above the bed")
+    legend(concentration)
     return figure
+
+
+def _draw_normalized(
+    found: Survey, reference: Reference, velocity: Axes, concentration: Axes
+) -> None:
+    """Draw curves over y/h where they belong, with their names in the legend of the last axes."""
+    for name, line in zip(reference.curves, LINES[1:] * len(reference.curves), strict=False):
+        values = reference.table[name], reference.table[NORMALIZED]
+        style: Any = {"linestyle": line, "color": GREEN, "label": f"{reference.name}: {name}"}
+        if is_velocity(found, name):
+            velocity.plot(*values, **style)
+            concentration.plot([], [], **style)
+        elif name == "concentration":
+            concentration.plot(*values, **style)
 
 
 def _with_rms(label: str, rms: dict[str, float]) -> str:
