@@ -21,8 +21,8 @@ DESCRIPTIONS = {
     "front": "How far the flow has reached, by phase, and the speed of its front.",
     "profiles": "Means over the height at the stations.",
     "normalized_profiles": (
-        "Velocity over that at the surface, and concentration, above the bed; grains that collide have "
-        "the profile drawn."
+        "Velocity over that at the surface, with the profile of grains that collide, and "
+        "concentration, above the bed."
     ),
     "hydrographs": "What went through the stations and sections.",
     "deposit": "Height of what lies at rest, and of the flow.",
