@@ -33,7 +33,8 @@ class Commands(click.Group):
             ctx.exit(INTERRUPTED)
 
 
-class Numbers(click.ParamType):  # type: ignore[type-arg]  # generic in the newest click alone
+# ParamType takes a parameter in the newest click alone, and fails on one in those before
+class Numbers(click.ParamType):  # type: ignore[type-arg]
     """Numbers with commas between them.
 
     Parameters

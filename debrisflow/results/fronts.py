@@ -12,7 +12,6 @@ from debrisflow.geometry import floor_level, inflow_section
 from debrisflow.grid import floor_length
 from debrisflow.measures import FRONT_SHARE, fronts, gravity_vector
 from debrisflow.results.frames import Frame
-from debrisflow.results.run import Run
 from debrisflow.series import Row, Table
 from debrisflow.state import PHASES
 
@@ -112,31 +111,27 @@ class Mobility(NamedTuple):
         return self.fall / self.travel if self.travel > 0.0 else np.nan
 
 
-def mobility(run: Run, time: Floats, front: Floats, first: Frame) -> Mobility:
-    """Return fall and travel of the flow of a run.
-
-    The source is the top of the supply at x = 0, or without one the highest particle of the first
-    frame, of those within half a spacing of it the one that is farthest upstream.  The toe is on
-    the fixed floor.
+def mobility(case: tables.Case, time: Floats, front: Floats, source: Floats) -> Mobility:
+    """Return fall and travel of a flow from its source to its toe, which is on the fixed floor.
 
     Parameters
     ----------
-    run : Run
+    case : Case
     time, front : (n,) array, s, m
         Of all phases.
-    first : Frame
+    source : (2,) array, m
+        See :func:`source_of`.
     """
     if np.isnan(front).all():
         return Mobility(np.nan, np.nan, np.nan, np.nan, np.nan, bound="")
     last = int(np.nanargmax(front))
     toe, bound = float(front[last]), ""
-    if toe > floor_length(run.case) - EDGE * run.case.particles.spacing:
+    if toe > floor_length(case) - EDGE * case.particles.spacing:
         bound = "a lower bound: it reached the end of the domain"
     elif last == len(front) - 1:
         bound = "a lower bound: the front still advances in the last frame"
-    source = _source(run.case, first)
-    end = np.array([toe, float(floor_level(run.case, np.array([toe]))[0])])
-    gravity = gravity_vector(run.case)[[0, run.case.dimension - 1]]
+    end = np.array([toe, float(floor_level(case, np.array([toe]))[0])])
+    gravity = gravity_vector(case)[[0, case.dimension - 1]]
     strength = float(np.linalg.norm(gravity))
     if strength == 0.0:
         return Mobility(toe, float(time[last]), toe - source[0], np.nan, np.nan, bound)
@@ -147,8 +142,12 @@ def mobility(run: Run, time: Floats, front: Floats, first: Frame) -> Mobility:
     return Mobility(toe, float(time[last]), toe - float(source[0]), fall, travel, bound)
 
 
-def _source(case: tables.Case, first: Frame) -> Floats:
-    """Return where the flow comes from, along x and upwards, m."""
+def source_of(case: tables.Case, first: Frame) -> Floats:
+    """Return where the flow comes from, along x and upwards, (2,) float64 array, m.
+
+    The top of the supply at x = 0, or without one the highest particle of the first frame, of those
+    within half a spacing of it the one that is farthest upstream.
+    """
     d0 = case.particles.spacing
     if case.inflow is not None:
         floor = float(floor_level(case, np.zeros(1))[0])

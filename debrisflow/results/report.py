@@ -24,10 +24,7 @@ from debrisflow.results.survey import Survey
 
 FILE = "report.html"
 RUNNING = "still running, or interrupted"
-MIB = 2**20
-LARGEST_PICTURE = 8 * MIB
-
-
+LARGEST_PICTURE = 8 * 2**20  # bytes, of one that a page still carries
 TIMING = (
     ("wall_seconds", "wall time", "{:.0f} s"),
     ("steps", "steps", "{}"),

@@ -258,6 +258,7 @@ def hydrograph_rows(
     """
     d0, volume, fluid = case.particles.spacing, particle_volume(case), frame.fluid
     x, share = frame.position[fluid, 0], frame.sediment_fraction[fluid]
+    across, velocity = frame.position[fluid, 1], frame.velocity[fluid, 0]
     repeats = domain(case).period[0] > 0.0
     for station in stations:
         past = np.nan if repeats else x >= station
@@ -265,10 +266,10 @@ def hydrograph_rows(
         offset = np.abs(_offset(case, x, station))
         rows = np.flatnonzero(offset < d0)
         part = volume * (1.0 - offset[rows] / d0) / d0
-        area, flux = float(part.sum()), float(part @ frame.velocity[fluid][rows, 0])
+        area, flux = float(part.sum()), float(part @ velocity[rows])
         width = 1.0
         if case.dimension == 3:
-            width = wetted_width(frame.position[fluid][rows, 1], d0)
+            width = wetted_width(across[rows], d0)
         is_wet = area > 0.0
         depth, speed = (area / width, flux / area) if is_wet else (0.0, np.nan)
         yield frame.time, station, *passed, depth, speed

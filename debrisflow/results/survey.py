@@ -16,7 +16,7 @@ from debrisflow.measures import particle_volume
 from debrisflow.results.budgets import budget_table, momentum_row, momentum_table
 from debrisflow.results.deposition import Deposition, deposition
 from debrisflow.results.frames import read_frame
-from debrisflow.results.fronts import Mobility, front_row, front_table, mobility
+from debrisflow.results.fronts import Mobility, front_row, front_table, mobility, source_of
 from debrisflow.results.run import BAR, Run
 from debrisflow.results.stations import (
     hydrograph_rows,
@@ -131,6 +131,8 @@ def survey(
         rows["profile"].extend(profile_rows(case, frame, places))
         rows["station"].extend(hydrograph_rows(case, frame, places, _gone(run, time)))
         rows["momentum"].append(momentum_row(case, frame))
+        if number == 0:
+            source = source_of(case, frame)
         if number in wanted:
             deposits.append(deposition(case, frame, deposits[0] if deposits else None))
     fronts = front_table(rows["front"])
@@ -144,7 +146,7 @@ def survey(
         hydrographs=hydrographs(case, rows["station"]),
         momentum=momentum_table(case, rows["momentum"]),
         deposits=deposits,
-        mobility=mobility(run, fronts["time"], fronts["front_all"], read_frame(*run.files[0])),
+        mobility=mobility(case, fronts["time"], fronts["front_all"], source),
     )
 
 
