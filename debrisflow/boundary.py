@@ -123,10 +123,9 @@ def _release(state: State, rows: NDArray[np.int64]) -> None:
     kind = np.where((fraction > 0.0) & (fraction < 1.0), Kind.MIXTURE, pure)
     particles.kind[rows] = kind
     count_phases(kind, fraction, state.entered, state.entered_sediment)
-    order = np.arange(particles.count)
-    waiting = np.setdiff1d(order[particles.inflow], rows)
-    order[particles.inflow] = np.concatenate([rows, waiting])
-    particles.take(order)
+    waiting = np.setdiff1d(np.arange(particles.count)[particles.inflow], rows)
+    order = np.concatenate([rows, waiting]) - particles.fluid_count
+    particles.reorder(particles.inflow, order)
     particles.fluid_count += rows.size
     particles.inflow_count -= rows.size
 
@@ -196,6 +195,5 @@ def _remove(state: State, gone: NDArray[np.bool_], leaked: NDArray[np.bool_]) ->
     out = gone & ~leaked
     count_phases(kind[out], fraction[out], state.left, state.left_sediment)
     count_phases(kind[leaked], fraction[leaked], state.through_wall, state.through_wall_sediment)
-    kept = np.concatenate([np.nonzero(~gone)[0], np.arange(particles.fluid_count, particles.count)])
-    particles.take(kept)
+    particles.keep(np.flatnonzero(~gone), particles.fluid_count)
     particles.fluid_count -= int(np.count_nonzero(gone))

@@ -169,7 +169,7 @@ class Explicit:
         if self._near_walls is None:
             self._set_walls(state)
         if state.step % self.REFRESH == 0:
-            p.reorder_fluid(order_by_cell(p.position[p.fluid], self.lattice.spacing))
+            p.reorder(p.fluid, order_by_cell(p.position[p.fluid], self.lattice.spacing))
             self._resistance.forget()
             self._choose_skin(state)
             self._list_neighbors(state)

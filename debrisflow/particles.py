@@ -37,6 +37,7 @@ MATTER = (
     "relative_velocity",
     "owed_displacement",
 )
+ROOM = 16  # arrays that have to grow get room for this part of their particles
 
 
 @dataclass
@@ -44,7 +45,9 @@ class Particles:
     """State of all particles.
 
     They stand in groups: fluid (liquid, sediment, mixture), inflow, wall, dummy wall.  Fluid,
-    inflow and wall particles are the unknowns of the pressure equation.
+    inflow and wall particles are the unknowns of the pressure equation.  What comes and goes
+    stands first, and the arrays end in larger ones with room before them, so that the walls, often
+    most of the particles, are not copied when the number of the others changes.
 
     Attributes
     ----------
@@ -109,6 +112,10 @@ class Particles:
     inflow_count: int
     wall_count: int
 
+    def __post_init__(self) -> None:
+        """Start without room before the arrays."""
+        self._buffers: dict[str, NDArray[np.generic]] = {}
+
     @property
     def count(self) -> int:
         """Number of all particles."""
@@ -143,15 +150,18 @@ class Particles:
             if isinstance(value, np.ndarray) and len(value) == self.count
         }
 
-    def take(self, rows: NDArray[np.int64]) -> None:
-        """Keep the given rows in the given order; the caller keeps the group sizes right."""
-        for name, value in self.arrays().items():
-            setattr(self, name, np.ascontiguousarray(value[rows]))
+    def keep(self, rows: NDArray[np.int64], among: int) -> None:
+        """Keep of the first particles the given rows in the given order.
 
-    def reorder_fluid(self, order: NDArray[np.int64]) -> None:
-        """Put the fluid particles into the given order, and leave the others where they are."""
+        The caller keeps the group sizes right.
+        """
+        for name, value in self.arrays().items():
+            self._replace_first(name, among, value[rows])
+
+    def reorder(self, rows: slice, order: NDArray[np.int64]) -> None:
+        """Put particles that stand together into the given order."""
         for value in self.arrays().values():
-            value[self.fluid] = value[order]
+            value[rows] = value[rows][order]
 
     def exchange(self, one: NDArray[np.int64], other: NDArray[np.int64]) -> None:
         """Let particles change places in pairs.
@@ -165,8 +175,20 @@ class Particles:
     def insert(self, row: int, other: Particles) -> None:
         """Insert all rows of another record before a row; the caller keeps the group sizes."""
         for name, value in self.arrays().items():
-            pieces = [value[:row], getattr(other, name), value[row:]]
-            setattr(self, name, np.concatenate(pieces))
+            self._replace_first(name, row, np.concatenate([value[:row], getattr(other, name)]))
+
+    def _replace_first(self, name: str, count: int, rows: NDArray[np.generic]) -> None:
+        """Put rows in place of the first ones of an array; while there is room, no other moves."""
+        value: NDArray[np.generic] = getattr(self, name)
+        size = len(value) - count + len(rows)
+        buffer = self._buffers.get(name, value)
+        if value.base is not buffer or size > len(buffer):
+            buffer = np.empty((size + size // ROOM, *value.shape[1:]), value.dtype)
+            buffer[len(buffer) - len(value) + count :] = value[count:]
+            self._buffers[name] = buffer
+        value = buffer[len(buffer) - size :]
+        value[: len(rows)] = rows
+        setattr(self, name, value)
 
 
 def blank(count: int) -> Particles:

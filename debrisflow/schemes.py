@@ -225,9 +225,7 @@ class SemiImplicit:
     def _observe_neighbors(self, state: State) -> None:
         p = state.particles
         if state.step % self.REFRESH == 0:
-            order = np.arange(p.count)
-            order[p.fluid] = order_by_cell(p.position[p.fluid], self.lattice.spacing)
-            p.take(order)
+            p.reorder(p.fluid, order_by_cell(p.position[p.fluid], self.lattice.spacing))
             for solver in (self._pressure_solver, self._grain_solver, self._exchange_solver):
                 solver.forget()
             self._near.build(p.position, p.unknown_count)

@@ -128,7 +128,7 @@ def test_what_hangs_above_a_gap_is_no_deposit_in_any_cell():
 
 def lattice_without(particles, gone):
     """Return the particles without some."""
-    particles.take(np.flatnonzero(~gone))
+    particles.keep(np.flatnonzero(~gone), particles.count)
     particles.fluid_count = particles.count
     return particles
 

@@ -1,9 +1,9 @@
-"""The seeding of mixes."""
+"""The seeding of mixes, and particles that come and go."""
 
 import numpy as np
 import pytest
 
-from debrisflow.particles import seed
+from debrisflow.particles import blank, seed
 from tests.building import tank_case
 
 
@@ -24,3 +24,35 @@ def test_a_mix_has_its_share_everywhere(share):
     assert squares.std() < 0.8 * np.sqrt(4 * share * (1 - share))
     # no pattern that repeats: every row holds about its share
     assert np.abs(sediment.mean(axis=0) - share).max() < 0.25
+
+
+def numbered(count):
+    particles = blank(count)
+    particles.position[:, 0] = np.arange(count)
+    return particles
+
+
+def test_the_walls_stay_where_they_are_in_memory_while_others_come_and_go():
+    particles, walls = numbered(5000), numbered(5000).position
+    added = numbered(100)
+    added.position[:, 0] += 1e6
+    particles.insert(0, added)
+    place = particles.position[-5000:].ctypes.data
+    particles.insert(100, added)
+    particles.keep(np.array([3, 1, 150]), 200)
+    np.testing.assert_array_equal(particles.position[:3, 0], [1e6 + 3, 1e6 + 1, 1e6 + 50])
+    np.testing.assert_array_equal(particles.position[3:], walls)
+    assert particles.position[-5000:].ctypes.data == place
+    assert all(len(value) == 5003 for value in particles.arrays().values())
+    for _ in range(5):
+        particles.insert(3, added)  # more than there is room for
+    np.testing.assert_array_equal(particles.position[3:503, 0], np.tile(added.position[:, 0], 5))
+    np.testing.assert_array_equal(particles.position[503:], walls)
+
+
+def test_what_gets_other_arrays_loses_nothing_of_them():
+    particles = numbered(50)
+    particles.keep(np.arange(40), 40)
+    particles.position = -particles.position
+    particles.keep(np.arange(0), 10)
+    np.testing.assert_array_equal(particles.position[:, 0], -np.arange(10.0, 50.0))

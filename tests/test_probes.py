@@ -45,7 +45,7 @@ def still_water(dimension, probes, depth=0.5, obstacle=(), **tables):
         inside |= np.all((p.position > extents[:, 0]) & (p.position < extents[:, 1]), axis=1)
     kept = np.flatnonzero(~inside | (np.arange(p.count) >= p.fluid_count))
     p.fluid_count -= p.count - kept.size
-    p.take(kept)
+    p.keep(kept, p.count)
     p.pressure[p.fluid] = p.density[p.fluid] * 9.81 * (depth - p.position[p.fluid, up])
     p.number_density[:] = reference(dimension, case.particles.effective_radius, D0).number_density
     return case, state
@@ -91,7 +91,7 @@ def test_a_dry_place_has_no_height_and_no_pressure():
         {"type": "section", "x": 0.5},
     ]
     case, state = still_water(2, probes)
-    state.particles.take(np.arange(state.particles.fluid_count, state.particles.count))
+    state.particles.keep(np.arange(0), state.particles.fluid_count)
     state.particles.fluid_count = 0
     height, pressure, force, section = samples(case, state)
     assert not np.any(np.concatenate([height, pressure, force]))
@@ -256,7 +256,7 @@ def test_crossings_are_counted_both_ways_by_the_number_of_the_particle():
     state.time = 0.1
     p.kind[p.fluid][:] = Kind.LIQUID
     p.position[p.fluid, 0] += D0  # the column before the section passes it
-    p.take(np.concatenate([np.arange(p.fluid_count)[::-1], np.arange(p.fluid_count, p.count)]))
+    p.reorder(p.fluid, np.arange(p.fluid_count)[::-1])
     crossings.count(state)
     np.testing.assert_array_equal(state.crossed, [[10, 0, 0]])
     p.kind[p.fluid] = Kind.MIXTURE
@@ -275,7 +275,7 @@ def test_nobody_is_counted_before_the_start_nor_by_leaving():
     p.position[p.fluid, 0] += D0
     crossings.count(state)
     state.time = 0.1
-    p.take(np.arange(10, p.count))
+    p.keep(np.arange(10, p.fluid_count), p.fluid_count)
     p.fluid_count -= 10
     crossings.count(state)
     assert not state.crossed.any()

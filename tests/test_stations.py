@@ -182,7 +182,7 @@ def passing(case, position, kind, length):
         state.left[:] = np.bincount(start.kind[outside], minlength=3)
         fraction = start.sediment_fraction[outside]
         state.left_sediment[:] = np.bincount(start.kind[outside], fraction, minlength=3)
-        particles.take(np.flatnonzero(~outside))
+        particles.keep(np.flatnonzero(~outside), particles.count)
         particles.fluid_count = particles.count
         yield state
 
