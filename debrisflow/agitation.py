@@ -10,7 +10,7 @@ from numba import prange
 
 from debrisflow._jit import kernel, loop
 from debrisflow.granular import algebraic_temperature, granular_pressure, granular_viscosity
-from debrisflow.operators import strain_rate
+from debrisflow.operators import solve_gradient, strain_rate
 from debrisflow.pairs import (
     BLOCK,
     across_wall,
@@ -25,8 +25,8 @@ CAP = 0.1  # of the study's granular temperature, see :func:`capped_temperature`
 
 
 @kernel
-def shear_rate_at(i, fluid, solid, near, numbers):
-    """Return ``sqrt(2 D : D)``, 1/s, exact for a linear profile on any arrangement.
+def velocity_gradient_at(i, fluid, solid, near, numbers):
+    """Return the velocity gradient by rows, 1/s, exact for a linear profile on any arrangement.
 
     The same moments as in :func:`debrisflow.operators.shear_rate_at`; of the way to a free-slip
     wall only what leads across it counts, since the fluid shears along it as it does inside.
@@ -59,7 +59,7 @@ def shear_rate_at(i, fluid, solid, near, numbers):
         ux, uy, uz = ux + f * du * dx, uy + f * du * dy, uz + f * du * dz
         vx, vy, vz = vx + f * dv * dx, vy + f * dv * dy, vz + f * dv * dz
         wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
-    return strain_rate(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)
+    return solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)
 
 
 @kernel
@@ -96,17 +96,20 @@ def capped_temperature(temperature, c, grains, numbers):
 
 
 @kernel
-def _shear_rates(first, last, fluid, solid, near, numbers, rate):
+def _velocity_gradients(first, last, fluid, solid, near, numbers, gradient, rate):
     for i in range(first, last):
-        rate[i] = shear_rate_at(i, fluid, solid, near, numbers)
+        found = velocity_gradient_at(i, fluid, solid, near, numbers)
+        for k in range(9):
+            gradient[i, k] = found[k]
+        rate[i] = strain_rate(*found)
 
 
 @loop
-def shear_rates(fluid, solid, near, numbers, rate):
-    """Write the shear rate of every particle, (n,) float64 array, 1/s."""
+def velocity_gradients(fluid, solid, near, numbers, gradient, rate):
+    """Write velocity gradient by rows, (n, 9), and shear rate, (n,) float64 array, 1/s."""
     for block in prange((rate.size + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, rate.size)
-        _shear_rates(first, last, fluid, solid, near, numbers, rate)
+        _velocity_gradients(first, last, fluid, solid, near, numbers, gradient, rate)
 
 
 @loop

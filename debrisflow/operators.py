@@ -390,29 +390,51 @@ def shear_rate_at(i, velocity, walls, stencil):
         wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
     if stencil.dimension < 3.0:
         zz = 0.5 * (xx + yy)  # nothing varies along z
-    return strain_rate(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)
+    found = solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)
+    return strain_rate(*found)
 
 
 @kernel
-def strain_rate(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz):
-    """Return ``sqrt(2 D : D)`` of the velocity gradient ``B M^-1``, 1/s.
+def solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz):
+    """Return the velocity gradient ``B M^-1`` by rows, 1/s; 0 where neighbors stand on a line.
 
-    ``M = (xx, xy, ...)`` are the moments of the separations and ``B = (ux, uy, ...)`` those of
-    velocity difference and separation; 0 where the neighbors stand on a line.
+    ``M = (xx, xy, ...)`` are the moments of the separations and ``B = (ux, uy, ...)`` those of the
+    velocity differences.
 
     Examples
     --------
-    >>> strain_rate(2.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 6.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    3.0
+    >>> found = solve_gradient(2.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 6.0, *(0.0,) * 7)
+    >>> found[:3]
+    (0.0, 3.0, 0.0)
     """
     a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
     if spread(xx, yy, zz, determinant) <= LEAST_SPREAD:
-        return 0.0
-    ux, uy, uz = a * ux + b * uy + d * uz, b * ux + c * uy + e * uz, d * ux + e * uy + f * uz
-    vx, vy, vz = a * vx + b * vy + d * vz, b * vx + c * vy + e * vz, d * vx + e * vy + f * vz
-    wx, wy, wz = a * wx + b * wy + d * wz, b * wx + c * wy + e * wz, d * wx + e * wy + f * wz
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    q = 1.0 / determinant
+    return (
+        q * (a * ux + b * uy + d * uz),
+        q * (b * ux + c * uy + e * uz),
+        q * (d * ux + e * uy + f * uz),
+        q * (a * vx + b * vy + d * vz),
+        q * (b * vx + c * vy + e * vz),
+        q * (d * vx + e * vy + f * vz),
+        q * (a * wx + b * wy + d * wz),
+        q * (b * wx + c * wy + e * wz),
+        q * (d * wx + e * wy + f * wz),
+    )
+
+
+@kernel
+def strain_rate(ux, uy, uz, vx, vy, vz, wx, wy, wz):
+    """Return ``sqrt(2 D : D)`` of a velocity gradient, 1/s.
+
+    Examples
+    --------
+    >>> strain_rate(0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    3.0
+    """
     stretch = 2.0 * (ux * ux + vy * vy + wz * wz)
-    return np.sqrt(stretch + (uy + vx) ** 2 + (uz + wx) ** 2 + (vz + wy) ** 2) / determinant
+    return np.sqrt(stretch + (uy + vx) ** 2 + (uz + wx) ** 2 + (vz + wy) ** 2)
 
 
 @loop

@@ -37,7 +37,7 @@ class Resistance:
     ----------
     is_implicit : bool
     viscosity : (n,) float64 array, Pa s
-        Of fluid and supply: Newtonian, of colliding grains, and of the law but for its strength.
+        Of fluid and supply: Newtonian and of colliding grains.
     """
 
     def __init__(self, case: tables.Case, numbers: pairs.Numbers) -> None:
@@ -61,6 +61,7 @@ class Resistance:
         self._down = numbers.gravity / (self._g or 1.0)
         self._is_even = len(concentrations(case)) == 1
         self._level = self._rate = self.viscosity = np.zeros(0)
+        self._gradient = np.zeros((0, 9))
         self.forget()
 
     def forget(self) -> None:
@@ -78,8 +79,10 @@ class Resistance:
         )
         self._observe_concentration(p, fluid, near)
         if self.is_implicit or (self._has_collisions and self._is_algebraic):
-            self._rate = np.empty(n)
-            agitation.shear_rates(fluid, solid, near, self.numbers, self._rate)
+            self._gradient, self._rate = np.empty((n, 9)), np.empty(n)
+            agitation.velocity_gradients(
+                fluid, solid, near, self.numbers, self._gradient, self._rate
+            )
         if self._has_collisions:
             self._observe_collisions(p, fluid, near)
 
@@ -155,8 +158,10 @@ class Resistance:
         self._weigh_grains(p, fluid, near)
         flow = self._flow(p)
         system = self._system(near, np.arange(p.moving.stop) < p.fluid_count)
+        mirror = np.empty((p.moving.stop, 4))
+        exchange.find_mirrors(fluid, solid, near, self.numbers, mirror)
         exchange.couple_momentum(
-            dt, fluid, solid, near, flow, self._law, self._down, self.numbers, system
+            dt, fluid, solid, near, flow, mirror, self._law, self._down, self.numbers, system
         )
         right = flow.density[:, None] * velocity
         started = p.velocity[p.moving]
@@ -176,18 +181,19 @@ class Resistance:
         strength, deepening, ramp = np.empty((3, rows.stop))
         flow = exchange.Flow(
             p.density[rows],
+            self._level,
             self.viscosity.copy(),
             strength,
             deepening,
             ramp,
             self._rate,
+            self._gradient,
             self._least_viscosity,
         )
         exchange.resist(
             p.grain_pressure[rows],
             self._grain_weight(p),
             d0,
-            self._level,
             self.case.strength.mixing_length,
             self._law,
             flow,

@@ -87,9 +87,12 @@ def test_the_study_and_the_algebraic_law_stir_a_shear(is_algebraic):
     near = near_of(fluid, NO_WALLS, LATTICE)
     grains = GRAINS._replace(diameter=0.01)
     if is_algebraic:
-        rate = np.empty(9**3)
-        agitation.shear_rates(fluid, NO_WALLS, near, NUMBERS, rate)
+        gradient, rate = np.empty((9**3, 9)), np.empty(9**3)
+        agitation.velocity_gradients(fluid, NO_WALLS, near, NUMBERS, gradient, rate)
         np.testing.assert_allclose(rate, 0.5, rtol=1e-12)
+        expected = np.zeros(9)
+        expected[2] = 0.5
+        np.testing.assert_allclose(gradient, np.tile(expected, (9**3, 1)), atol=1e-12)
         agitation.algebraic_temperatures(rate, grains, temperature)
     else:
         c = np.full(9**3, 0.1)
@@ -275,7 +278,7 @@ def test_particles_at_one_place_have_no_direction_and_no_end(rng):
     near = near_of(fluid, solid, LATTICE)
     for function in (
         compressible.density_rate_at,
-        agitation.shear_rate_at,
+        agitation.velocity_gradient_at,
         compressible.acceleration_at,
     ):
         for i in (3, 7, 40):

@@ -67,7 +67,7 @@ def flow(rng):
         strength=rng.uniform(0.0, 5e6, COUNT),
         deepening=rng.uniform(0.0, 1e7, COUNT),
         ramp=np.clip(rng.uniform(-0.5, 1.5, COUNT), 0.0, 1.0),
-        shear_rate=rng.uniform(0.0, 10.0, COUNT) ** 2,
+        gradient=rng.normal(size=(COUNT, 9)) * rng.uniform(0.0, 10.0, (COUNT, 1)),
         least_viscosity=6e4,
     )
 
@@ -76,6 +76,7 @@ def flow_of(count, **known):
     """Return what resists the shear; by default water without viscosity."""
     fields = {name: np.zeros(count) for name in exchange.Flow._fields}
     fields |= {"density": np.full(count, 1000.0), "least_viscosity": 0.0}
+    fields["gradient"] = np.zeros((count, 9))
     return exchange.Flow(**(fields | known))
 
 
@@ -90,8 +91,9 @@ def empty_couplings(near, is_free=None):
 def coupled_momentum(fluid, solid, flow, period=NOWHERE, is_free=None, dt=DT):
     """Return couplings of momentum, and who is near whom."""
     near = near_of(fluid, solid, LATTICE, period)
-    found = empty_couplings(near, is_free)
-    exchange.couple_momentum(dt, fluid, solid, near, flow, LAW, DOWN, NUMBERS, found)
+    found, mirror = empty_couplings(near, is_free), np.empty((near.fluid_count.size, 4))
+    exchange.find_mirrors(fluid, solid, near, NUMBERS, mirror)
+    exchange.couple_momentum(dt, fluid, solid, near, flow, mirror, LAW, DOWN, NUMBERS, found)
     return found, near
 
 
@@ -112,12 +114,51 @@ def solved_exactly(couplings, near, right, x):
     return found
 
 
+def weight(distance):
+    """Return ``(2 Ds/n0) w/r^2`` at a distance, m."""
+    w = np.maximum(LATTICE.effective_radius / distance - 1.0, 0.0)
+    return 6.0 / LATTICE.number_density * w / distance**2
+
+
 def weights(position, others=None, period=NOWHERE):
-    """Return separation and weight of all pairs, 0 of a particle with itself."""
+    """Return separation and coupling weight of all pairs, 0 of a particle with itself."""
     r = separations(position, period, others)
     distance = np.linalg.norm(r, axis=2)
     distance[distance == 0.0] = np.inf
-    return r, np.maximum(LATTICE.effective_radius / distance - 1.0, 0.0)
+    return r, weight(distance)
+
+
+def mirrored_weights(fluid, solid, period):
+    """Return the coupling weight of the images of all pairs in their nearest free-slip wall."""
+    r = separations(fluid.position, period, solid.position)
+    height = -np.einsum("ijk,jk->ij", r, solid.normal) - solid.depth
+    listed = np.linalg.norm(r, axis=2) < LATTICE.effective_radius
+    height[(solid.slip == 0.0) | (height < 0.0) | ~listed] = np.inf
+    nearest = height.min(axis=1, initial=np.inf)
+    is_near = nearest < LATTICE.effective_radius
+    normal = np.zeros_like(fluid.position)
+    normal[is_near] = solid.normal[height.argmin(axis=1)[is_near]] if is_near.any() else 0.0
+    alike = (normal @ normal.T >= 0.9) & ~np.eye(len(normal), dtype=bool)
+    r = np.linalg.norm(separations(fluid.position, period), axis=2)
+    nearest[~is_near] = 0.0
+    distance = np.sqrt(r**2 + 4.0 * nearest[:, None] * nearest)
+    return np.where(alike, weight(np.where(alike, distance, 1.0)), 0.0)
+
+
+def strain_rates(gradient):
+    """Return ``sqrt(2 D : D)`` of gradients, (..., 3, 3) array."""
+    strain = 0.5 * (gradient + np.swapaxes(gradient, -1, -2))
+    return np.sqrt(2.0 * np.sum(strain**2, axis=(-1, -2)))
+
+
+def shear_rates(gradient, r, difference):
+    """Return the shear rates between particles, from mean gradient, separation and difference."""
+    distance = np.linalg.norm(r, axis=-1, keepdims=True)
+    distance[distance == 0.0] = 1.0
+    along = np.einsum("...kl,...l->...k", gradient, r / distance)
+    rate = strain_rates(gradient)
+    own, mean = (np.sum(d**2, axis=-1) for d in (difference / distance, along))
+    return rate * np.sqrt((own + 0.01 * rate**2) / np.maximum(mean + 0.01 * rate**2, 1e-300))
 
 
 def yielding(strength, rate):
@@ -130,18 +171,25 @@ def mean(values):
 
 def expected_matrix(fluid, solid, flow, period):
     """Return the matrix of the exchange from sums over all pairs."""
-    _, w = weights(fluid.position, period=period)
+    r, w = weights(fluid.position, period=period)
+    w = w + mirrored_weights(fluid, solid, period) * (w > 0.0)
+    gradient = flow.gradient.reshape(-1, 3, 3)
+    difference = fluid.velocity[None] - fluid.velocity[:, None]
+    rate = shear_rates(mean(gradient), r, difference)
     strength = np.minimum(flow.ramp[None], flow.ramp[:, None]) * mean(flow.strength)
-    mu = mean(flow.viscosity) + yielding(strength, mean(flow.shear_rate))
-    coefficient = DT * NUMBERS.laplacian * w * np.maximum(mu, flow.least_viscosity)
+    mu = mean(flow.viscosity) + yielding(strength, rate)
+    coefficient = DT * w * np.maximum(mu, flow.least_viscosity)
     r, w = weights(fluid.position, solid.position, period)
     depth = 0.5 * r @ DOWN
     deeper = flow.strength[:, None] + depth * flow.deepening[:, None]
     on_wall = flow.ramp[:, None] * np.maximum(deeper, 0.0)
-    mu = flow.viscosity[:, None] + yielding(on_wall, flow.shear_rate[:, None])
     height = -np.einsum("ijk,jk->ij", r, solid.normal) - solid.depth
-    factor = 1.0 + solid.depth / np.maximum(height, 0.5 * SPACING)
-    drag = NUMBERS.laplacian * (w * mu * factor * (1.0 - solid.slip)).sum(axis=1)
+    over = np.maximum(height, 0.5 * SPACING)[..., None]
+    normal = np.broadcast_to(solid.normal, r.shape)
+    rate = shear_rates(gradient[:, None], normal, fluid.velocity[:, None] / over)
+    mu = flow.viscosity[:, None] + yielding(on_wall, rate)
+    factor = 1.0 + solid.depth / over[..., 0]
+    drag = (w * mu * factor * (1.0 - solid.slip)).sum(axis=1)
     return np.diag(flow.density + coefficient.sum(axis=1) + DT * drag) - coefficient
 
 
@@ -264,20 +312,20 @@ def test_two_threads_solve_to_the_same_bits_as_one(rng, columns):
     assert found[0] == found[1]
 
 
-def pair(**known):
-    """Return the viscosity between two particles."""
+def pair(rate=0.0, law=LAW, **known):
+    """Return the viscosity between two particles at a shear rate."""
     flow = flow_of(2, **{k: v if np.isscalar(v) else np.array(v) for k, v in known.items()})
-    found = exchange.pair_viscosity(0, 1, flow, LAW)
-    assert exchange.pair_viscosity(1, 0, flow, LAW) == found
+    found = exchange.pair_viscosity(0, 1, rate, flow, law)
+    assert exchange.pair_viscosity(1, 0, rate, flow, law) == found
     return found
 
 
 def test_two_particles_below_yield_are_as_viscous_as_the_law_allows():
     held = {"strength": (300.0, 500.0), "ramp": (1.0, 1.0)}
     # the mean strength, 400 Pa, over the least rate, 0.001 1/s, below the greatest viscosity
-    for rate in ((0.0, 0.0), (1e-4, 5e-4), (1e-3, 1e-3)):
-        assert pair(shear_rate=rate, **held) == pytest.approx(4e5, rel=1e-13)
-    assert pair(shear_rate=(0.0, 4.0), **held) == pytest.approx(200.0, rel=1e-13)
+    for rate in (0.0, 3e-4, 1e-3):
+        assert pair(rate, **held) == pytest.approx(4e5, rel=1e-13)
+    assert pair(2.0, **held) == pytest.approx(200.0, rel=1e-13)
     strong = {"strength": (1e9, 1e9), "ramp": (1.0, 1.0)}
     assert pair(**strong) == LAW.largest_viscosity
     viscous = {"viscosity": (10.0, 30.0)}
@@ -286,23 +334,98 @@ def test_two_particles_below_yield_are_as_viscous_as_the_law_allows():
 
 
 def test_the_lesser_ramp_of_two_particles_counts():
-    rates = {"strength": (300.0, 500.0), "shear_rate": (2.0, 2.0)}
-    assert pair(ramp=(1.0, 0.25), **rates) == pytest.approx(0.25 * 200.0, rel=1e-13)
-    assert pair(ramp=(1.0, 0.0), **rates) == 0.0  # water does not stick to a bed
+    strength = {"strength": (300.0, 500.0)}
+    assert pair(2.0, ramp=(1.0, 0.25), **strength) == pytest.approx(0.25 * 200.0, rel=1e-13)
+    assert pair(2.0, ramp=(1.0, 0.0), **strength) == 0.0  # water does not stick to a bed
+
+
+def test_the_consistency_between_two_particles_is_that_of_their_mean_concentration():
+    law = LAW._replace(consistency=5.0, exponent=0.5, viscosity_growth=3.0)
+    found = pair(4.0, law, ramp=(1.0, 0.5), concentration=(0.1, 0.3), viscosity=(1.0, 3.0))
+    assert found == pytest.approx(2.0 + 0.5 * 5.0 * np.exp(0.6) / 2.0, rel=1e-13)
 
 
 def test_the_least_viscosity_adds_nothing_to_what_is_more_viscous():
     assert pair(viscosity=(10.0, 30.0), least_viscosity=25.0) == 25.0
     assert pair(viscosity=(10.0, 30.0), least_viscosity=15.0) == pytest.approx(20.0, rel=1e-15)
-    held = {"strength": (400.0, 400.0), "ramp": (1.0, 1.0), "shear_rate": (2.0, 2.0)}
-    assert pair(least_viscosity=150.0, **held) == pytest.approx(200.0, rel=1e-13)
+    held = {"strength": (400.0, 400.0), "ramp": (1.0, 1.0)}
+    assert pair(2.0, least_viscosity=150.0, **held) == pytest.approx(200.0, rel=1e-13)
+
+
+def shear_rate_between(gradient, a, difference):
+    """Return the shear rate between two particles with gradients, (2, 3, 3) array."""
+    return exchange.pair_shear_rate(0, 1, *a, *difference, np.reshape(gradient, (2, 9)))
+
+
+def plane_shear(*rates):
+    """Return gradients of a velocity along x that grows with z."""
+    found = np.zeros((len(rates), 3, 3))
+    found[:, 0, 2] = rates
+    return found
+
+
+@pytest.mark.parametrize("angle", [20.0, 45.0, 90.0, -60.0])
+def test_the_shear_rate_between_two_particles_is_that_of_their_layers(angle):
+    up = np.sin(np.radians(angle))
+    a = np.array([np.cos(np.radians(angle)), 0.0, up])
+
+    def between(rate):
+        return shear_rate_between(plane_shear(1.0, 5.0), a, [rate * up, 0.0, 0.0])
+
+    # the mean of their gradients is 3 1/s; the profile between them may be steeper or less
+    assert between(3.0) == pytest.approx(3.0, rel=1e-14)
+    floor = 0.1 / np.sqrt(up**2 + 0.01)  # what is left where layers move as one
+    assert between(0.0) == pytest.approx(3.0 * floor, rel=1e-14)
+    for rate in (1.0, 9.0):
+        assert between(rate) == pytest.approx(rate, abs=abs(rate - 3.0) * floor)
+
+
+def test_motion_as_of_a_rigid_body_is_no_shear():
+    spin = np.array([[0.0, -2.0, 1.0], [2.0, 0.0, -3.0], [-1.0, 3.0, 0.0]])
+    a = np.array([2.0, 1.0, -2.0]) / 3.0
+    assert shear_rate_between([spin, spin], a, spin @ a) == 0.0
+    assert shear_rate_between(np.zeros((2, 3, 3)), a, [0.0, 0.0, 0.0]) == 0.0
+
+
+def test_two_particles_side_by_side_in_a_shear_have_its_rate():
+    aside = np.array([0.0, 1.0, 0.0])
+    for noise in (0.0, 0.03):
+        found = shear_rate_between(plane_shear(2.0, 2.0), aside, [0.0, 0.0, noise])
+        assert found == pytest.approx(2.0, rel=0.02)
+
+
+@pytest.mark.parametrize("slip", [0.0, 1.0])
+def test_a_layer_along_a_free_slip_wall_resists_as_inside(slip):
+    """The stress across planes of a shear along the wall, over that of the whole lattice."""
+    position = lattice_block(3, 12, SPACING)
+    wall = lattice_block(3, (12, 4, 12), SPACING)
+    wall[:, 1] -= 4.0 * SPACING
+    normal = np.tile([0.0, 1.0, 0.0], (len(wall), 1))
+    solid = solid_of(wall, normal, -wall[:, 1], np.full(len(wall), slip))
+    flow = flow_of(len(position), viscosity=np.full(len(position), 100.0))
+    couplings, near = coupled_momentum(fluid_of(position), solid, flow)
+    stress = np.zeros(12)
+    for i, count in enumerate(near.fluid_count):
+        if np.any(np.abs(position[i] - 3.0)[[0, 2]] > SPACING):
+            continue
+        j = near.fluid[i, :count]
+        rise = position[j, 2] - position[i, 2]
+        # half the sum over i of K (u_j - u_i) (z_j - z_i) with u = z
+        stress[int(position[i, 1] / SPACING)] += 0.5 * couplings.value[i, :count] @ rise**2
+    over = stress / stress[6]
+    np.testing.assert_allclose(over[2:-2], 1.0, rtol=1e-6)
+    if slip:
+        np.testing.assert_allclose(over[:2], 1.0, rtol=1e-6)
+    else:  # the wall, at rest, is not in the sum
+        assert over[0] < 0.85
 
 
 @pytest.mark.parametrize("height", [0.3, 0.7, 1.1])
 @pytest.mark.parametrize("slip", [0.0, 1.0])
 def test_a_wall_resists_with_the_strength_at_the_depth_between(height, slip):
     # over the middle of one wall particle in the first layer of a floor, 0.25 m deep
-    fluid, down = fluid_of(np.array([[0.0, 0.0, height]])), np.array([0.0, 0.0, -1.0])
+    down, velocity = np.array([0.0, 0.0, -1.0]), np.array([[0.3, 0.4, 0.0]])
+    fluid = fluid_of(np.array([[0.0, 0.0, height]]), velocity=velocity)
     solid = solid_of(np.array([[0.0, 0.0, -0.25]]), depth=0.25, slip=slip)
     near = near_of(fluid, solid, LATTICE)
     flow = flow_of(
@@ -311,18 +434,20 @@ def test_a_wall_resists_with_the_strength_at_the_depth_between(height, slip):
         strength=np.array([100.0]),
         deepening=np.array([800.0]),
         ramp=np.array([0.5]),
-        shear_rate=np.array([4.0]),
         least_viscosity=1e9,  # does not act on walls
     )
+    flow.gradient[0, [2, 5]] = 3.0, 4.0  # of another shear rate, of the same direction
     drag = exchange.wall_drag_at(0, fluid, solid, near, flow, LAW, down, NUMBERS)
-    w = max(1.2 / (height + 0.25) - 1.0, 0.0)
-    mu = 3.0 + 0.5 * (100.0 + 800.0 * 0.5 * (height + 0.25)) / 4.0
+    r, rate = height + 0.25, 0.5 / height  # of the straight profile down to the surface
+    rate = 5.0 * np.sqrt((rate**2 + 0.25) / (25.0 + 0.25))
+    w = weight(r)
+    mu = 3.0 + 0.5 * (100.0 + 800.0 * 0.5 * r) / rate
     factor = (height + 0.25) / height
-    assert drag == pytest.approx(NUMBERS.laplacian * w * mu * factor * (1.0 - slip), rel=1e-12)
+    assert drag == pytest.approx(w * mu * factor * (1.0 - slip), rel=1e-12)
     # sideways, as on a side wall, the depth between is that of the particle
     drag = exchange.wall_drag_at(0, fluid, solid, near, flow, LAW, np.array([1.0, 0, 0]), NUMBERS)
-    mu = 3.0 + 0.5 * 100.0 / 4.0
-    assert drag == pytest.approx(NUMBERS.laplacian * w * mu * factor * (1.0 - slip), rel=1e-12)
+    mu = 3.0 + 0.5 * 100.0 / rate
+    assert drag == pytest.approx(w * mu * factor * (1.0 - slip), rel=1e-12)
 
 
 def test_what_would_pull_under_a_ceiling_has_no_strength():
@@ -337,18 +462,17 @@ def test_what_would_pull_under_a_ceiling_has_no_strength():
 def test_strength_and_its_growth_with_depth_are_those_of_the_law():
     law = LAW._replace(yield_stress=20.0, yield_growth=3.0, consistency=5.0, exponent=0.5)
     pressure, weight = np.array([0.0, 400.0]), np.array([0.0, 9000.0])
-    flow = flow_of(2, viscosity=np.array([0.1, 0.2]), shear_rate=np.array([4.0, 0.0]))
     c = np.array([0.1, 0.3])
-    exchange.resist(pressure, weight, SPACING, c, 0.05, law, flow)
+    flow = flow_of(
+        2, concentration=c, viscosity=np.array([0.1, 0.2]), shear_rate=np.array([4.0, 0.0])
+    )
+    exchange.resist(pressure, weight, SPACING, 0.05, law, flow)
     cohesion = 20.0 * np.exp(3.0 * c)
     np.testing.assert_allclose(flow.ramp, [0.0, 2.0 / 3.0], rtol=1e-12)
     np.testing.assert_allclose(flow.strength, cohesion + 0.7 * pressure, rtol=1e-13)
     np.testing.assert_allclose(flow.deepening, 0.7 * weight, rtol=1e-11)
-    # the consistency with the ramp; turbulence without
-    viscous = 2.0 / 3.0 * 5.0 * law.smallest_shear_rate**-0.5
-    np.testing.assert_allclose(
-        flow.viscosity, [0.1 + 1000.0 * 0.05**2 * 4.0, 0.2 + viscous], rtol=1e-12
-    )
+    # with that of eddies; the consistency is one of pairs
+    np.testing.assert_allclose(flow.viscosity, [0.1 + 1000.0 * 0.05**2 * 4.0, 0.2], rtol=1e-12)
 
 
 def balanced_grains(position, c, is_free, pressure, submerged=SUBMERGED):
