@@ -106,7 +106,7 @@ def _velocity_gradients(first, last, fluid, solid, near, numbers, gradient, rate
 
 @loop
 def velocity_gradients(fluid, solid, near, numbers, gradient, rate):
-    """Write velocity gradient by rows, (n, 9), and shear rate, (n,) float64 array, 1/s."""
+    """Write velocity gradient by rows, (n, 9) array, and shear rate, (n,) array, 1/s."""
     for block in prange((rate.size + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, rate.size)
         _velocity_gradients(first, last, fluid, solid, near, numbers, gradient, rate)

@@ -13,7 +13,6 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.operators import strain_rate
 from debrisflow.pairs import (
     BLOCK,
     height_over,
@@ -23,7 +22,7 @@ from debrisflow.pairs import (
     weight,
 )
 from debrisflow.rheology import (
-    consistency_viscosity,
+    power_law_viscosity,
     ramp,
     turbulent_viscosity,
     yield_strength,
@@ -61,6 +60,8 @@ class Flow(NamedTuple):
     density : (n,) float64 array, kg/m3
     concentration : (n,) float64 array
         C at the level of the particle.
+    consistency : (n,) float64 array, Pa s^n, or None
+        None where the law has none, for which kernels are compiled that are faster.
     viscosity : (n,) float64 array, Pa s
         All but that of the law of strength.
     strength : (n,) float64 array, Pa
@@ -70,7 +71,7 @@ class Flow(NamedTuple):
     ramp : (n,) float64 array
         Share of the strength that the concentration leaves.
     shear_rate : (n,) float64 array, 1/s
-    gradient : (n, 9) float64 array, 1/s
+    gradient : (n, 9) float32 array, 1/s
         Velocity gradient by rows.
     least_viscosity : float, Pa s
         Between two particles: the artificial one, which adds nothing to what is more viscous.
@@ -78,12 +79,13 @@ class Flow(NamedTuple):
 
     density: Floats
     concentration: Floats
+    consistency: Floats | None
     viscosity: Floats
     strength: Floats
     deepening: Floats
     ramp: Floats
     shear_rate: Floats
-    gradient: Floats
+    gradient: NDArray[np.float32]
     least_viscosity: float
 
 
@@ -120,7 +122,23 @@ def coupling_weight(inverse, numbers):
 
 
 @kernel
-def pair_shear_rate(i, j, ax, ay, az, du, dv, dw, gradient):
+def gradient_of(i, gradient):
+    """Return the velocity gradient of particle i by rows, 1/s."""
+    return (
+        gradient[i, 0],
+        gradient[i, 1],
+        gradient[i, 2],
+        gradient[i, 3],
+        gradient[i, 4],
+        gradient[i, 5],
+        gradient[i, 6],
+        gradient[i, 7],
+        gradient[i, 8],
+    )
+
+
+@kernel
+def pair_shear_rate(one, other, dx, dy, dz, inverse, du, dv, dw):
     """Return the shear rate between two particles, 1/s.
 
         rate = G sqrt[(|d|^2 + 0.01 G^2) / (|g a|^2 + 0.01 G^2)]
@@ -132,26 +150,29 @@ def pair_shear_rate(i, j, ax, ay, az, du, dv, dw, gradient):
     four rows, and is blind to a velocity that goes up and down from row to row.  Two particles side
     by side in the shear, whose differences say nothing of it, keep G.
     """
-    ux, uy, uz, vx, vy, vz, wx, wy, wz = (
-        0.5 * (gradient[i, 0] + gradient[j, 0]),
-        0.5 * (gradient[i, 1] + gradient[j, 1]),
-        0.5 * (gradient[i, 2] + gradient[j, 2]),
-        0.5 * (gradient[i, 3] + gradient[j, 3]),
-        0.5 * (gradient[i, 4] + gradient[j, 4]),
-        0.5 * (gradient[i, 5] + gradient[j, 5]),
-        0.5 * (gradient[i, 6] + gradient[j, 6]),
-        0.5 * (gradient[i, 7] + gradient[j, 7]),
-        0.5 * (gradient[i, 8] + gradient[j, 8]),
-    )
-    rate = strain_rate(ux, uy, uz, vx, vy, vz, wx, wy, wz)
+    ux, uy, uz = one[0] + other[0], one[1] + other[1], one[2] + other[2]
+    vx, vy, vz = one[3] + other[3], one[4] + other[4], one[5] + other[5]
+    wx, wy, wz = one[6] + other[6], one[7] + other[7], one[8] + other[8]
+    square = 0.5 * (ux * ux + vy * vy + wz * wz)
+    square += 0.25 * ((uy + vx) ** 2 + (uz + wx) ** 2 + (vz + wy) ** 2)
     mu, mv, mw = (
-        ux * ax + uy * ay + uz * az,
-        vx * ax + vy * ay + vz * az,
-        wx * ax + wy * ay + wz * az,
+        ux * dx + uy * dy + uz * dz,
+        vx * dx + vy * dy + vz * dz,
+        wx * dx + wy * dy + wz * dz,
     )
-    least = ASIDE * rate * rate
-    own = du * du + dv * dv + dw * dw + least
-    return rate * np.sqrt(own / max(mu * mu + mv * mv + mw * mw + least, 1e-300))
+    least = ASIDE * square
+    scale = inverse * inverse
+    own = scale * (du * du + dv * dv + dw * dw) + least
+    mean = 0.25 * scale * (mu * mu + mv * mv + mw * mw) + least
+    return np.sqrt(square * own / max(mean, 1e-300))
+
+
+@kernel
+def mean_power_law_viscosity(i, j, consistency, rate, law):
+    """Return the viscosity of the mean consistency of two particles, Pa s."""
+    if consistency is None:
+        return 0.0
+    return power_law_viscosity(0.5 * (consistency[i] + consistency[j]), rate, law)
 
 
 @kernel
@@ -163,10 +184,9 @@ def pair_viscosity(i, j, rate, flow, law):
     exact.
     """
     share = min(flow.ramp[i], flow.ramp[j])
-    c = 0.5 * (flow.concentration[i] + flow.concentration[j])
     strength = share * 0.5 * (flow.strength[i] + flow.strength[j])
     viscosity = 0.5 * (flow.viscosity[i] + flow.viscosity[j])
-    viscosity += share * consistency_viscosity(c, rate, law)
+    viscosity += share * mean_power_law_viscosity(i, j, flow.consistency, rate, law)
     return max(viscosity + yielding_viscosity(strength, rate, law), flow.least_viscosity)
 
 
@@ -179,18 +199,19 @@ def wall_drag_at(i, fluid, solid, near, flow, law, down, numbers):
     """
     drag = 0.0
     u, v, w = fluid.velocity[i, 0], fluid.velocity[i, 1], fluid.velocity[i, 2]
+    gradient = gradient_of(i, flow.gradient)
     for k in range(near.wall_count[i]):
         j = np.uint32(near.wall[near.wall_row[i], k])
         dx, dy, dz = separation(i, j, fluid.position, solid.position, near.period)
         height = height_over(dx, dy, dz, j, solid)
         rise = 1.0 / max(height, 0.5 * numbers.spacing)
         nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
-        rate = pair_shear_rate(i, i, nx, ny, nz, rise * u, rise * v, rise * w, flow.gradient)
+        rate = pair_shear_rate(gradient, gradient, nx, ny, nz, 1.0, rise * u, rise * v, rise * w)
         depth = 0.5 * (down[0] * dx + down[1] * dy + down[2] * dz)
         strength = max(flow.strength[i] + depth * flow.deepening[i], 0.0)
-        mu = consistency_viscosity(flow.concentration[i], rate, law)
-        mu = flow.viscosity[i] + flow.ramp[i] * mu
-        mu += yielding_viscosity(flow.ramp[i] * strength, rate, law)
+        mu = yielding_viscosity(flow.ramp[i] * strength, rate, law)
+        mu += flow.ramp[i] * mean_power_law_viscosity(i, i, flow.consistency, rate, law)
+        mu += flow.viscosity[i]
         near_wall = coupling_weight(inverse_distance(dx, dy, dz, numbers), numbers)
         drag += near_wall * mu * wall_factor(height, j, solid, numbers) * (1.0 - solid.slip[j])
     return drag
@@ -239,24 +260,36 @@ def mirrored_weight(i, j, dx, dy, dz, mirror, numbers):
 
 
 @kernel
+def _add_images(i, fluid, near, mirror, numbers, value):
+    for k in range(near.fluid_count[i]):
+        j = np.uint32(near.fluid[i, k])
+        dx, dy, dz = separation(i, j, fluid.position, fluid.position, near.period)
+        w = coupling_weight(inverse_distance(dx, dy, dz, numbers), numbers)
+        if w > 0.0:
+            value[i, k] *= np.float32(1.0 + mirrored_weight(i, j, dx, dy, dz, mirror, numbers) / w)
+
+
+@kernel
 def _couple_momentum(
     first, last, dt, fluid, solid, near, flow, mirror, law, down, numbers, value, diagonal
 ):
     velocity = fluid.velocity
     for i in range(first, last):
-        total = 0.0
+        u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+        gradient = gradient_of(i, flow.gradient)
         for k in range(near.fluid_count[i]):
             j = np.uint32(near.fluid[i, k])
             dx, dy, dz = separation(i, j, fluid.position, fluid.position, near.period)
             inverse = inverse_distance(dx, dy, dz, numbers)
-            ax, ay, az = inverse * dx, inverse * dy, inverse * dz
-            du = inverse * (velocity[j, 0] - velocity[i, 0])
-            dv = inverse * (velocity[j, 1] - velocity[i, 1])
-            dw = inverse * (velocity[j, 2] - velocity[i, 2])
-            rate = pair_shear_rate(i, j, ax, ay, az, du, dv, dw, flow.gradient)
-            mu, w = pair_viscosity(i, j, rate, flow, law), coupling_weight(inverse, numbers)
-            w += mirrored_weight(i, j, dx, dy, dz, mirror, numbers)
-            value[i, k] = np.float32(dt * w * mu)
+            du, dv, dw = velocity[j, 0] - u, velocity[j, 1] - v, velocity[j, 2] - w
+            other = gradient_of(j, flow.gradient)
+            rate = pair_shear_rate(gradient, other, dx, dy, dz, inverse, du, dv, dw)
+            mu = pair_viscosity(i, j, rate, flow, law)
+            value[i, k] = np.float32(dt * coupling_weight(inverse, numbers) * mu)
+        if mirror[i, 3] < numbers.effective_radius:
+            _add_images(i, fluid, near, mirror, numbers, value)
+        total = 0.0
+        for k in range(near.fluid_count[i]):
             total += value[i, k]
         drag = wall_drag_at(i, fluid, solid, near, flow, law, down, numbers)
         diagonal[i] = flow.density[i] + total + dt * drag

@@ -13,6 +13,7 @@ from debrisflow.errors import NotConvergedError
 from debrisflow.granular import Grains, radial_distribution
 from debrisflow.laws import law_of
 from debrisflow.particles import Particles, concentrations
+from debrisflow.rheology import consistency
 
 Floats = NDArray[np.float64]
 RESIDUAL = 0.01  # of gravity, that the implicit exchange of momentum leaves out of balance
@@ -61,7 +62,7 @@ class Resistance:
         self._down = numbers.gravity / (self._g or 1.0)
         self._is_even = len(concentrations(case)) == 1
         self._level = self._rate = self.viscosity = np.zeros(0)
-        self._gradient = np.zeros((0, 9))
+        self._gradient = np.zeros((0, 9), np.float32)
         self.forget()
 
     def forget(self) -> None:
@@ -79,7 +80,7 @@ class Resistance:
         )
         self._observe_concentration(p, fluid, near)
         if self.is_implicit or (self._has_collisions and self._is_algebraic):
-            self._gradient, self._rate = np.empty((n, 9)), np.empty(n)
+            self._gradient, self._rate = np.empty((n, 9), np.float32), np.empty(n)
             agitation.velocity_gradients(
                 fluid, solid, near, self.numbers, self._gradient, self._rate
             )
@@ -182,6 +183,7 @@ class Resistance:
         flow = exchange.Flow(
             p.density[rows],
             self._level,
+            consistency(self._level, self._law) if self._law.consistency > 0.0 else None,
             self.viscosity.copy(),
             strength,
             deepening,

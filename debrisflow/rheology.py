@@ -169,9 +169,20 @@ def consistency_viscosity(concentration, shear_rate, law):
     """
     if law.consistency == 0.0:
         return 0.0
+    return power_law_viscosity(consistency(concentration, law), shear_rate, law)
+
+
+@kernel
+def consistency(concentration, law):
+    """Return ``K exp(b C)``, Pa s^n."""
+    return law.consistency * np.exp(law.viscosity_growth * concentration)
+
+
+@kernel
+def power_law_viscosity(consistency, shear_rate, law):
+    """Return ``K rate^(n - 1)``, Pa s, of a consistency, capped."""
     rate = max(shear_rate, law.smallest_shear_rate)
-    growth = np.exp(law.viscosity_growth * concentration)
-    return min(law.consistency * growth * rate ** (law.exponent - 1.0), law.largest_viscosity)
+    return min(consistency * rate ** (law.exponent - 1.0), law.largest_viscosity)
 
 
 @kernel

@@ -67,7 +67,7 @@ def flow(rng):
         strength=rng.uniform(0.0, 5e6, COUNT),
         deepening=rng.uniform(0.0, 1e7, COUNT),
         ramp=np.clip(rng.uniform(-0.5, 1.5, COUNT), 0.0, 1.0),
-        gradient=rng.normal(size=(COUNT, 9)) * rng.uniform(0.0, 10.0, (COUNT, 1)),
+        gradient=(rng.normal(size=(COUNT, 9)) * rng.uniform(0, 10, (COUNT, 1))).astype("f4"),
         least_viscosity=6e4,
     )
 
@@ -76,7 +76,7 @@ def flow_of(count, **known):
     """Return what resists the shear; by default water without viscosity."""
     fields = {name: np.zeros(count) for name in exchange.Flow._fields}
     fields |= {"density": np.full(count, 1000.0), "least_viscosity": 0.0}
-    fields["gradient"] = np.zeros((count, 9))
+    fields |= {"gradient": np.zeros((count, 9), np.float32), "consistency": None}
     return exchange.Flow(**(fields | known))
 
 
@@ -197,7 +197,8 @@ def test_the_exchange_of_momentum_is_the_sum_over_all_pairs(fluid, solid, flow, 
     couplings, near = coupled_momentum(fluid, solid, flow, period)
     expected = expected_matrix(fluid, solid, flow, period)
     assert np.count_nonzero(expected - np.diag(np.diag(expected))) > 15 * COUNT
-    np.testing.assert_allclose(dense(couplings, near), expected, rtol=SINGLE)
+    # rounded when written, and twice more where images are added
+    np.testing.assert_allclose(dense(couplings, near), expected, rtol=3.0 * SINGLE)
 
 
 def test_what_one_particle_loses_the_other_gains(fluid, flow, period):
@@ -339,10 +340,10 @@ def test_the_lesser_ramp_of_two_particles_counts():
     assert pair(2.0, ramp=(1.0, 0.0), **strength) == 0.0  # water does not stick to a bed
 
 
-def test_the_consistency_between_two_particles_is_that_of_their_mean_concentration():
-    law = LAW._replace(consistency=5.0, exponent=0.5, viscosity_growth=3.0)
-    found = pair(4.0, law, ramp=(1.0, 0.5), concentration=(0.1, 0.3), viscosity=(1.0, 3.0))
-    assert found == pytest.approx(2.0 + 0.5 * 5.0 * np.exp(0.6) / 2.0, rel=1e-13)
+def test_the_consistency_between_two_particles_is_their_mean():
+    law = LAW._replace(consistency=1.0, exponent=0.5)
+    found = pair(4.0, law, ramp=(1.0, 0.5), consistency=(4.0, 6.0), viscosity=(1.0, 3.0))
+    assert found == pytest.approx(2.0 + 0.5 * 5.0 / 2.0, rel=1e-13)
 
 
 def test_the_least_viscosity_adds_nothing_to_what_is_more_viscous():
@@ -354,7 +355,8 @@ def test_the_least_viscosity_adds_nothing_to_what_is_more_viscous():
 
 def shear_rate_between(gradient, a, difference):
     """Return the shear rate between two particles with gradients, (2, 3, 3) array."""
-    return exchange.pair_shear_rate(0, 1, *a, *difference, np.reshape(gradient, (2, 9)))
+    one, other = (tuple(g.ravel()) for g in gradient)
+    return exchange.pair_shear_rate(one, other, *(2.0 * a), 0.5, *(2.0 * np.array(difference)))
 
 
 def plane_shear(*rates):
@@ -464,7 +466,10 @@ def test_strength_and_its_growth_with_depth_are_those_of_the_law():
     pressure, weight = np.array([0.0, 400.0]), np.array([0.0, 9000.0])
     c = np.array([0.1, 0.3])
     flow = flow_of(
-        2, concentration=c, viscosity=np.array([0.1, 0.2]), shear_rate=np.array([4.0, 0.0])
+        2,
+        concentration=c,
+        viscosity=np.array([0.1, 0.2]),
+        shear_rate=np.array([4.0, 0.0]),
     )
     exchange.resist(pressure, weight, SPACING, 0.05, law, flow)
     cohesion = 20.0 * np.exp(3.0 * c)

@@ -13,22 +13,19 @@ from tests.validation import dams3d, deposit3d, film3d
 COARSE = {"particles": {"spacing": 0.01}}
 
 
-@pytest.mark.parametrize(
-    "slurry", [film3d.bingham(0.25), film3d.herschel_bulkley(0.25)], ids=["bingham", "herschel"]
-)
+SLURRIES = {
+    "Bingham, a quarter of the bed stress": film3d.bingham(0.25),
+    "Bingham, half": film3d.bingham(0.5),
+    "Herschel-Bulkley, a quarter": film3d.herschel_bulkley(0.25),
+}
+
+
+@pytest.mark.parametrize("slurry", SLURRIES.values(), ids=SLURRIES)
 def test_a_film_of_slurry_has_the_profile_of_the_closed_form(slurry):
-    assert film3d.run(slurry, end=2.0 if slurry["mixture"]["viscosity"] else 2.5).rms < 0.03
-
-
-def test_a_film_with_a_thick_plug_shears_at_its_bed_and_moves_as_one_above():
-    """Five rows yield, of which the upper ones shear too fast: the plug is 13 % too fast.
-
-    The 3 % are missed, with ten rows that yield by 6 % rms; with 15 they are just met, 2.98 % rms
-    at 1.2 s.
-    """
-    found = film3d.run(film3d.bingham(0.5), rows=10, end=1.5)
-    assert np.abs(found.error[:3]).max() < 0.03
-    assert np.ptp(found.speed[-3:]) < 0.01 * found.surface
+    found = film3d.run(slurry, rows=10)
+    assert found.rms < 0.03
+    assert np.abs(found.error).max() < 0.04
+    assert np.ptp(found.speed[-3:]) < 0.01 * found.surface  # it moves as a plug
 
 
 def test_a_film_below_yield_holds():
