@@ -22,7 +22,7 @@ from tests.validation.marching import states
 
 Floats = NDArray[np.float64]
 DEPTH, SLOPE = 0.1, 10.0  # m, degrees
-ALONG, ACROSS = 12, 16  # spacings; along x the channel repeats
+WIDTH, ALONG = 0.16, 12  # m, spacings; along x the channel repeats
 VISCOSITY = 20.0  # Pa s
 CONSISTENCY, EXPONENT = 60.0, 0.5  # Pa s^n
 DENSITY = bulk_density(Mixture().concentration, Water(), Sediment(), Strength())
@@ -77,8 +77,8 @@ def herschel_bulkley(share: float) -> dict[str, dict[str, object]]:
 def build(slurry: dict[str, dict[str, object]], rows: int, end: float) -> tables.Case:
     """Return the case of a film that starts at rest."""
     spacing = DEPTH / rows
-    length, width = ALONG * spacing, ACROSS * spacing
-    block = {"x": (0.0, length), "y": (0.0, width), "z": (0.0, DEPTH)}
+    length = ALONG * spacing
+    block = {"x": (0.0, length), "y": (0.0, WIDTH), "z": (0.0, DEPTH)}
     return complete(
         Case(
             title="film of slurry",
@@ -88,7 +88,7 @@ def build(slurry: dict[str, dict[str, object]], rows: int, end: float) -> tables
                 "type": "channel3d",
                 "periodic": True,
                 "length": length,
-                "width": width,
+                "width": WIDTH,
                 "height": 1.5 * DEPTH,
             },
             walls={"front": {"slip": "free-slip"}, "back": {"slip": "free-slip"}},
