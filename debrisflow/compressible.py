@@ -9,9 +9,9 @@ import numpy as np
 from numba import prange
 
 from debrisflow._jit import kernel, loop
-from debrisflow.operators import face_towards
 from debrisflow.pairs import (
     BLOCK,
+    contact,
     density_of,
     height_over,
     inverse_distance,
@@ -191,23 +191,6 @@ def acceleration_at(i, fluid, solid, near, numbers):
     share = 0.5 * (1.0 + numbers.restitution)
     ax, ay, az = ax / rho + gx, ay / rho + gy, az / rho + gz
     return ax, ay, az, share * cx, share * cy, share * cz, contacts
-
-
-@kernel
-def contact(dx, dy, dz, j, solid, numbers):
-    """Return height over and normal of the surface that first-layer wall particle j stands for.
-
-    Infinite if the surface is not below; that of a mesh is the plane at the particle, up to a
-    spacing aside, since the particles stand on the lattice and not along the surface.
-    """
-    nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
-    if not solid.on_mesh[j]:
-        return face_towards(dx, dy, dz, nx, ny, nz, numbers.spacing)
-    above = -(dx * nx + dy * ny + dz * nz)
-    aside2 = dx * dx + dy * dy + dz * dz - above * above
-    if above <= 0.0 or aside2 > numbers.spacing * numbers.spacing:
-        return np.inf, 0.0, 0.0, 0.0
-    return above - solid.depth[j], nx, ny, nz
 
 
 @kernel

@@ -151,7 +151,7 @@ class Particles:
         }
 
     def keep(self, rows: NDArray[np.int64], among: int) -> None:
-        """Keep of the first particles the given rows in the given order.
+        """Keep of the first ``among`` particles the given rows, in their order, and all others.
 
         The caller keeps the group sizes right.
         """
@@ -178,7 +178,10 @@ class Particles:
             self._replace_first(name, row, np.concatenate([value[:row], getattr(other, name)]))
 
     def _replace_first(self, name: str, count: int, rows: NDArray[np.generic]) -> None:
-        """Put rows in place of the first ones of an array; while there is room, no other moves."""
+        """Put rows in place of the first ones of an array; while there is room, no other moves.
+
+        An array that is a view of its buffer ends where that ends.
+        """
         value: NDArray[np.generic] = getattr(self, name)
         size = len(value) - count + len(rows)
         buffer = self._buffers.get(name, value)

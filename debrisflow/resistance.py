@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow import agitation, exchange, pairs
+from debrisflow import agitation, exchange, images, pairs
 from debrisflow.case import tables
 from debrisflow.case.defaults import LARGEST_PATH, VISCOUS_LIMIT
 from debrisflow.case.materials import pore_density
@@ -13,7 +13,7 @@ from debrisflow.errors import NotConvergedError
 from debrisflow.granular import Grains, radial_distribution
 from debrisflow.laws import law_of
 from debrisflow.particles import Particles, concentrations
-from debrisflow.rheology import consistency
+from debrisflow.rheology import consistency_at
 
 Floats = NDArray[np.float64]
 RESIDUAL = 0.01  # of gravity, that the implicit exchange of momentum leaves out of balance
@@ -159,10 +159,10 @@ class Resistance:
         self._weigh_grains(p, fluid, near)
         flow = self._flow(p)
         system = self._system(near, np.arange(p.moving.stop) < p.fluid_count)
-        mirror = np.empty((p.moving.stop, 4))
-        exchange.find_mirrors(fluid, solid, near, self.numbers, mirror)
+        mirrors = images.no_mirrors(p.moving.stop)
+        images.find_mirrors(fluid, solid, near, self.numbers, mirrors)
         exchange.couple_momentum(
-            dt, fluid, solid, near, flow, mirror, self._law, self._down, self.numbers, system
+            dt, fluid, solid, near, flow, mirrors, self._law, self._down, self.numbers, system
         )
         right = flow.density[:, None] * velocity
         started = p.velocity[p.moving]
@@ -183,7 +183,7 @@ class Resistance:
         flow = exchange.Flow(
             p.density[rows],
             self._level,
-            consistency(self._level, self._law) if self._law.consistency > 0.0 else None,
+            consistency_at(self._level, self._law) if self._law.consistency > 0.0 else None,
             self.viscosity.copy(),
             strength,
             deepening,

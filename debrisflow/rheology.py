@@ -169,11 +169,11 @@ def consistency_viscosity(concentration, shear_rate, law):
     """
     if law.consistency == 0.0:
         return 0.0
-    return power_law_viscosity(consistency(concentration, law), shear_rate, law)
+    return power_law_viscosity(consistency_at(concentration, law), shear_rate, law)
 
 
 @kernel
-def consistency(concentration, law):
+def consistency_at(concentration, law):
     """Return ``K exp(b C)``, Pa s^n."""
     return law.consistency * np.exp(law.viscosity_growth * concentration)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow import agitation, exchange, granular
+from debrisflow import agitation, exchange, granular, images
 from debrisflow._jit import set_threads
 from debrisflow.lattice import reference
 from tests.building import (
@@ -58,11 +58,12 @@ def solid(rng):
     return solid_of(random_patch(3, 150, rng, LENGTH), normal, depth, slip)
 
 
-@pytest.fixture
-def flow(rng):
+@pytest.fixture(params=[0.0, 50.0], ids=["", "power law"])
+def flow(rng, request):
     return flow_of(
         COUNT,
         density=rng.uniform(1000.0, 1800.0, COUNT),
+        consistency=request.param * rng.uniform(1.0, 5.0, COUNT) if request.param else None,
         viscosity=rng.uniform(0.0, 1e5, COUNT),
         strength=rng.uniform(0.0, 5e6, COUNT),
         deepening=rng.uniform(0.0, 1e7, COUNT),
@@ -91,9 +92,9 @@ def empty_couplings(near, is_free=None):
 def coupled_momentum(fluid, solid, flow, period=NOWHERE, is_free=None, dt=DT):
     """Return couplings of momentum, and who is near whom."""
     near = near_of(fluid, solid, LATTICE, period)
-    found, mirror = empty_couplings(near, is_free), np.empty((near.fluid_count.size, 4))
-    exchange.find_mirrors(fluid, solid, near, NUMBERS, mirror)
-    exchange.couple_momentum(dt, fluid, solid, near, flow, mirror, LAW, DOWN, NUMBERS, found)
+    found, mirrors = empty_couplings(near, is_free), images.no_mirrors(near.fluid_count.size)
+    images.find_mirrors(fluid, solid, near, NUMBERS, mirrors)
+    exchange.couple_momentum(dt, fluid, solid, near, flow, mirrors, LAW, DOWN, NUMBERS, found)
     return found, near
 
 
@@ -116,6 +117,7 @@ def solved_exactly(couplings, near, right, x):
 
 def weight(distance):
     """Return ``(2 Ds/n0) w/r^2`` at a distance, m."""
+    distance = np.maximum(distance, 0.1 * SPACING)
     w = np.maximum(LATTICE.effective_radius / distance - 1.0, 0.0)
     return 6.0 / LATTICE.number_density * w / distance**2
 
@@ -128,21 +130,15 @@ def weights(position, others=None, period=NOWHERE):
     return r, weight(distance)
 
 
-def mirrored_weights(fluid, solid, period):
-    """Return the coupling weight of the images of all pairs in their nearest free-slip wall."""
-    r = separations(fluid.position, period, solid.position)
-    height = -np.einsum("ijk,jk->ij", r, solid.normal) - solid.depth
-    listed = np.linalg.norm(r, axis=2) < LATTICE.effective_radius
-    height[(solid.slip == 0.0) | (height < 0.0) | ~listed] = np.inf
-    nearest = height.min(axis=1, initial=np.inf)
-    is_near = nearest < LATTICE.effective_radius
-    normal = np.zeros_like(fluid.position)
-    normal[is_near] = solid.normal[height.argmin(axis=1)[is_near]] if is_near.any() else 0.0
-    alike = (normal @ normal.T >= 0.9) & ~np.eye(len(normal), dtype=bool)
-    r = np.linalg.norm(separations(fluid.position, period), axis=2)
-    nearest[~is_near] = 0.0
-    distance = np.sqrt(r**2 + 4.0 * nearest[:, None] * nearest)
-    return np.where(alike, weight(np.where(alike, distance, 1.0)), 0.0)
+def image_weights(fluid, solid, period):
+    """Return the coupling weight of the images of all pairs in the wall that both are near."""
+    mirrors, near = images.no_mirrors(COUNT), near_of(fluid, solid, LATTICE, period)
+    images.find_mirrors(fluid, solid, near, NUMBERS, mirrors)
+    alike = mirrors.normal @ mirrors.normal.T >= images.ALIKE
+    r = separations(fluid.position, period)
+    across = mirrors.height[:, None] * mirrors.height
+    distance = np.sqrt(np.sum(r**2, axis=2) + 4.0 * across)
+    return np.where(alike, weight(distance), 0.0)
 
 
 def strain_rates(gradient):
@@ -165,6 +161,11 @@ def yielding(strength, rate):
     return np.minimum(strength / np.maximum(rate, LAW.smallest_shear_rate), LAW.largest_viscosity)
 
 
+def thinning(consistency, rate):
+    rate = np.maximum(rate, LAW.smallest_shear_rate)
+    return np.minimum(consistency * rate ** (LAW.exponent - 1.0), LAW.largest_viscosity)
+
+
 def mean(values):
     return 0.5 * (values[None] + values[:, None])
 
@@ -172,12 +173,15 @@ def mean(values):
 def expected_matrix(fluid, solid, flow, period):
     """Return the matrix of the exchange from sums over all pairs."""
     r, w = weights(fluid.position, period=period)
-    w = w + mirrored_weights(fluid, solid, period) * (w > 0.0)
+    w = w + image_weights(fluid, solid, period) * (w > 0.0)
     gradient = flow.gradient.reshape(-1, 3, 3)
     difference = fluid.velocity[None] - fluid.velocity[:, None]
     rate = shear_rates(mean(gradient), r, difference)
-    strength = np.minimum(flow.ramp[None], flow.ramp[:, None]) * mean(flow.strength)
+    share = np.minimum(flow.ramp[None], flow.ramp[:, None])
+    strength = share * mean(flow.strength)
     mu = mean(flow.viscosity) + yielding(strength, rate)
+    if flow.consistency is not None:
+        mu += share * thinning(mean(flow.consistency), rate)
     coefficient = DT * w * np.maximum(mu, flow.least_viscosity)
     r, w = weights(fluid.position, solid.position, period)
     depth = 0.5 * r @ DOWN
@@ -188,6 +192,8 @@ def expected_matrix(fluid, solid, flow, period):
     normal = np.broadcast_to(solid.normal, r.shape)
     rate = shear_rates(gradient[:, None], normal, fluid.velocity[:, None] / over)
     mu = flow.viscosity[:, None] + yielding(on_wall, rate)
+    if flow.consistency is not None:
+        mu += flow.ramp[:, None] * thinning(flow.consistency[:, None], rate)
     factor = 1.0 + solid.depth / over[..., 0]
     drag = (w * mu * factor * (1.0 - solid.slip)).sum(axis=1)
     return np.diag(flow.density + coefficient.sum(axis=1) + DT * drag) - coefficient
@@ -201,10 +207,12 @@ def test_the_exchange_of_momentum_is_the_sum_over_all_pairs(fluid, solid, flow, 
     np.testing.assert_allclose(dense(couplings, near), expected, rtol=3.0 * SINGLE)
 
 
-def test_what_one_particle_loses_the_other_gains(fluid, flow, period):
-    couplings, near = coupled_momentum(fluid, NO_WALLS, flow, period)
+def test_what_one_particle_loses_the_other_gains(fluid, solid, flow, period):
+    couplings, near = coupled_momentum(fluid, solid, flow, period)
     matrix = dense(couplings, near)
     np.testing.assert_array_equal(matrix, matrix.T)
+    couplings, near = coupled_momentum(fluid, NO_WALLS, flow, period)
+    matrix = dense(couplings, near)
     # what is left of a row is the density: motion in common is not resisted
     rest = matrix.sum(axis=1) - flow.density
     assert np.abs(rest).max() < 1e-14 * np.abs(matrix).max()
@@ -297,13 +305,17 @@ def test_nobody_is_solved_for():
 @pytest.mark.parametrize("columns", [1, 3])
 def test_two_threads_solve_to_the_same_bits_as_one(rng, columns):
     count = 2000
-    fluid = fluid_of(random_patch(3, count, rng, 6.0))
-    flow = flow_of(count, viscosity=rng.uniform(0.0, 1e6, count))
+    fluid = fluid_of(random_patch(3, count, rng, 6.0), velocity=rng.normal(size=(count, 3)))
+    solid = solid_of(random_patch(3, 500, rng, 6.0), depth=0.25, slip=rng.choice([0.0, 1.0], 500))
+    viscosity, strength = rng.uniform(0.0, 1e6, (2, count))
+    flow = flow_of(count, viscosity=viscosity, strength=strength, ramp=np.ones(count))
     right, found = 1000.0 * rng.normal(size=(count, columns)), []
     try:
         for threads in (1, 2):
             assert set_threads(threads) == threads
-            couplings, near = coupled_momentum(fluid, NO_WALLS, flow)
+            near, rate = near_of(fluid, solid, LATTICE), np.empty(count)
+            agitation.velocity_gradients(fluid, solid, near, NUMBERS, flow.gradient, rate)
+            couplings, near = coupled_momentum(fluid, solid, flow)
             x = np.zeros((count, columns))
             iterations = exchange.solve(couplings, near, right, 1e-12 * np.sum(right**2), 2000, x)
             found.append((iterations, couplings.diagonal.tobytes(), x.tobytes()))
@@ -311,115 +323,6 @@ def test_two_threads_solve_to_the_same_bits_as_one(rng, columns):
         set_threads(1)
     assert found[0][0] > 5
     assert found[0] == found[1]
-
-
-def pair(rate=0.0, law=LAW, **known):
-    """Return the viscosity between two particles at a shear rate."""
-    flow = flow_of(2, **{k: v if np.isscalar(v) else np.array(v) for k, v in known.items()})
-    found = exchange.pair_viscosity(0, 1, rate, flow, law)
-    assert exchange.pair_viscosity(1, 0, rate, flow, law) == found
-    return found
-
-
-def test_two_particles_below_yield_are_as_viscous_as_the_law_allows():
-    held = {"strength": (300.0, 500.0), "ramp": (1.0, 1.0)}
-    # the mean strength, 400 Pa, over the least rate, 0.001 1/s, below the greatest viscosity
-    for rate in (0.0, 3e-4, 1e-3):
-        assert pair(rate, **held) == pytest.approx(4e5, rel=1e-13)
-    assert pair(2.0, **held) == pytest.approx(200.0, rel=1e-13)
-    strong = {"strength": (1e9, 1e9), "ramp": (1.0, 1.0)}
-    assert pair(**strong) == LAW.largest_viscosity
-    viscous = {"viscosity": (10.0, 30.0)}
-    assert pair(**viscous) == pytest.approx(20.0, rel=1e-15)
-    assert pair(**strong, **viscous) == pytest.approx(LAW.largest_viscosity + 20.0, rel=1e-15)
-
-
-def test_the_lesser_ramp_of_two_particles_counts():
-    strength = {"strength": (300.0, 500.0)}
-    assert pair(2.0, ramp=(1.0, 0.25), **strength) == pytest.approx(0.25 * 200.0, rel=1e-13)
-    assert pair(2.0, ramp=(1.0, 0.0), **strength) == 0.0  # water does not stick to a bed
-
-
-def test_the_consistency_between_two_particles_is_their_mean():
-    law = LAW._replace(consistency=1.0, exponent=0.5)
-    found = pair(4.0, law, ramp=(1.0, 0.5), consistency=(4.0, 6.0), viscosity=(1.0, 3.0))
-    assert found == pytest.approx(2.0 + 0.5 * 5.0 / 2.0, rel=1e-13)
-
-
-def test_the_least_viscosity_adds_nothing_to_what_is_more_viscous():
-    assert pair(viscosity=(10.0, 30.0), least_viscosity=25.0) == 25.0
-    assert pair(viscosity=(10.0, 30.0), least_viscosity=15.0) == pytest.approx(20.0, rel=1e-15)
-    held = {"strength": (400.0, 400.0), "ramp": (1.0, 1.0)}
-    assert pair(2.0, least_viscosity=150.0, **held) == pytest.approx(200.0, rel=1e-13)
-
-
-def shear_rate_between(gradient, a, difference):
-    """Return the shear rate between two particles with gradients, (2, 3, 3) array."""
-    one, other = (tuple(g.ravel()) for g in gradient)
-    return exchange.pair_shear_rate(one, other, *(2.0 * a), 0.5, *(2.0 * np.array(difference)))
-
-
-def plane_shear(*rates):
-    """Return gradients of a velocity along x that grows with z."""
-    found = np.zeros((len(rates), 3, 3))
-    found[:, 0, 2] = rates
-    return found
-
-
-@pytest.mark.parametrize("angle", [20.0, 45.0, 90.0, -60.0])
-def test_the_shear_rate_between_two_particles_is_that_of_their_layers(angle):
-    up = np.sin(np.radians(angle))
-    a = np.array([np.cos(np.radians(angle)), 0.0, up])
-
-    def between(rate):
-        return shear_rate_between(plane_shear(1.0, 5.0), a, [rate * up, 0.0, 0.0])
-
-    # the mean of their gradients is 3 1/s; the profile between them may be steeper or less
-    assert between(3.0) == pytest.approx(3.0, rel=1e-14)
-    floor = 0.1 / np.sqrt(up**2 + 0.01)  # what is left where layers move as one
-    assert between(0.0) == pytest.approx(3.0 * floor, rel=1e-14)
-    for rate in (1.0, 9.0):
-        assert between(rate) == pytest.approx(rate, abs=abs(rate - 3.0) * floor)
-
-
-def test_motion_as_of_a_rigid_body_is_no_shear():
-    spin = np.array([[0.0, -2.0, 1.0], [2.0, 0.0, -3.0], [-1.0, 3.0, 0.0]])
-    a = np.array([2.0, 1.0, -2.0]) / 3.0
-    assert shear_rate_between([spin, spin], a, spin @ a) == 0.0
-    assert shear_rate_between(np.zeros((2, 3, 3)), a, [0.0, 0.0, 0.0]) == 0.0
-
-
-def test_two_particles_side_by_side_in_a_shear_have_its_rate():
-    aside = np.array([0.0, 1.0, 0.0])
-    for noise in (0.0, 0.03):
-        found = shear_rate_between(plane_shear(2.0, 2.0), aside, [0.0, 0.0, noise])
-        assert found == pytest.approx(2.0, rel=0.02)
-
-
-@pytest.mark.parametrize("slip", [0.0, 1.0])
-def test_a_layer_along_a_free_slip_wall_resists_as_inside(slip):
-    """The stress across planes of a shear along the wall, over that of the whole lattice."""
-    position = lattice_block(3, 12, SPACING)
-    wall = lattice_block(3, (12, 4, 12), SPACING)
-    wall[:, 1] -= 4.0 * SPACING
-    normal = np.tile([0.0, 1.0, 0.0], (len(wall), 1))
-    solid = solid_of(wall, normal, -wall[:, 1], np.full(len(wall), slip))
-    flow = flow_of(len(position), viscosity=np.full(len(position), 100.0))
-    couplings, near = coupled_momentum(fluid_of(position), solid, flow)
-    stress = np.zeros(12)
-    for i, count in enumerate(near.fluid_count):
-        if np.any(np.abs(position[i] - 3.0)[[0, 2]] > SPACING):
-            continue
-        j = near.fluid[i, :count]
-        rise = position[j, 2] - position[i, 2]
-        # half the sum over i of K (u_j - u_i) (z_j - z_i) with u = z
-        stress[int(position[i, 1] / SPACING)] += 0.5 * couplings.value[i, :count] @ rise**2
-    over = stress / stress[6]
-    np.testing.assert_allclose(over[2:-2], 1.0, rtol=1e-6)
-    if slip:
-        np.testing.assert_allclose(over[:2], 1.0, rtol=1e-6)
-    else:  # the wall, at rest, is not in the sum
-        assert over[0] < 0.85
 
 
 @pytest.mark.parametrize("height", [0.3, 0.7, 1.1])
