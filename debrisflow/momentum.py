@@ -9,7 +9,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.operators import contact, velocity_difference, wall_distance
+from debrisflow.operators import contact, shear_rate_at, velocity_difference, wall_distance
 from debrisflow.rheology import (
     consistency_viscosity,
     harmonic_mean,
@@ -52,16 +52,21 @@ class Matter(NamedTuple):
 
 
 @loop
-def turbulent_viscosities(density, shear_rate, height, roughness, greatest_length, viscosity):
-    """Write Prandtl's viscosity with the mixing length over the floor, (n,) float64 array, Pa s.
+def survey_shear(
+    velocity, density, height, roughness, greatest_length, walls, stencil, rate, viscosity
+):
+    """Write shear rate, 1/s, and turbulent viscosity, Pa s, of the fluid, (n,) float64 arrays.
 
-    ``height`` and ``roughness``, m, are those over and of the floor under every particle.  In the
-    lowest row the shear rate is that of a linear profile down to the floor, up to twice that of the
-    law of the wall; it makes up for part of what :func:`exchange_row_at` lacks there.
+    The viscosity is Prandtl's with the mixing length over the floor; ``height`` and ``roughness``,
+    m, are those over and of the floor under every particle.  In the lowest row the shear rate is
+    that of a linear profile down to the floor, up to twice that of the law of the wall; it makes up
+    for part of what :func:`exchange_row_at` lacks there.
     """
+    # In one loop: a short one of its own is vectorized, and its rounding depends on the threads.
     for i in prange(viscosity.size):
+        rate[i] = shear_rate_at(i, velocity, walls, stencil)
         length = mixing_length(greatest_length, height[i], roughness[i])
-        viscosity[i] = turbulent_viscosity(density[i], length, shear_rate[i])
+        viscosity[i] = turbulent_viscosity(density[i], length, rate[i])
 
 
 @kernel

@@ -435,10 +435,3 @@ def strain_rate(ux, uy, uz, vx, vy, vz, wx, wy, wz):
     """
     stretch = 2.0 * (ux * ux + vy * vy + wz * wz)
     return np.sqrt(stretch + (uy + vx) ** 2 + (uz + wx) ** 2 + (vz + wy) ** 2)
-
-
-@loop
-def shear_rate(velocity, walls, stencil, rate):
-    """Write the shear rate of the first ``rate.size`` particles, (m,) float64 array, 1/s."""
-    for i in prange(rate.size):
-        rate[i] = shear_rate_at(i, velocity, walls, stencil)

@@ -269,14 +269,16 @@ class SemiImplicit:
             granular.level_concentration(n, fractions, self._down, self._stencil, at_level)
             fractions = at_level
         self._level_concentration = at_level
-        operators.shear_rate(self._mixture_velocity, self._walls, self._stencil, self._shear_rate)
         x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
-        momentum.turbulent_viscosities(
+        momentum.survey_shear(
+            self._mixture_velocity,
             p.density,
-            self._shear_rate,
             np.maximum(geometry.height_over_floor(case, x, y, x), 0.5 * self.lattice.spacing),
             geometry.floor_roughness(case, x),
             self._mixing_length,
+            self._walls,
+            self._stencil,
+            self._shear_rate,
             self._turbulent_viscosity,
         )
 
