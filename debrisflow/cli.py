@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,9 +33,10 @@ class Commands(click.Group):
             ctx.exit(INTERRUPTED)
 
 
-# ParamType takes a parameter in the newest click alone, and fails on one in those before
-class Numbers(click.ParamType):  # type: ignore[type-arg]
-    """Numbers with commas between them.
+def numbers_type(
+    count: int | None = None, are_intervals: bool = False
+) -> Callable[[Any], tuple[float, ...]]:
+    """Return the type of an option that is numbers with commas between them.
 
     Parameters
     ----------
@@ -45,28 +46,23 @@ class Numbers(click.ParamType):  # type: ignore[type-arg]
         Whether each two are the ends of an interval.
     """
 
-    name = "numbers"
-
-    def __init__(self, count: int | None = None, are_intervals: bool = False) -> None:
-        self.count, self.are_intervals = count, are_intervals
-
-    def convert(self, value: Any, *_: object) -> tuple[float, ...]:
-        """Return the numbers of a text."""
+    def numbers(value: Any) -> tuple[float, ...]:
         if isinstance(value, tuple):
             return value
         try:
-            numbers = tuple(float(part) for part in value.split(","))
+            found = tuple(float(part) for part in value.split(","))
         except ValueError:
-            numbers = (math.nan,)
-        if not all(map(math.isfinite, numbers)):
-            self.fail(f"{value} is not a list of numbers with commas between them")
-        if self.count is not None and len(numbers) != self.count:
-            self.fail(f"{value} has {len(numbers)} numbers where {self.count} are needed")
-        if self.are_intervals and not all(
-            a < b for a, b in zip(numbers[::2], numbers[1::2], strict=True)
-        ):
-            self.fail(f"{value}: an interval must end after it starts")
-        return numbers
+            found = (math.nan,)
+        if not all(map(math.isfinite, found)):
+            raise click.BadParameter(f"{value} is not a list of numbers with commas between them")
+        if count is not None and len(found) != count:
+            raise click.BadParameter(f"{value} has {len(found)} numbers where {count} are needed")
+        ends = zip(found[::2], found[1::2], strict=True) if are_intervals else ()
+        if not all(a < b for a, b in ends):
+            raise click.BadParameter(f"{value}: an interval must end after it starts")
+        return found
+
+    return numbers
 
 
 _case = click.argument("case", metavar="CASE", type=_PATH)
@@ -85,13 +81,13 @@ _threads = click.option(
 )
 _stations = click.option(
     "--stations",
-    type=Numbers(),
+    type=numbers_type(),
     default=(),
     help="x of profiles and hydrographs, m: X,X,...; every eighth of the length if left out.",
 )
 _window = click.option(
     "--window",
-    type=Numbers(2, are_intervals=True),
+    type=numbers_type(2, are_intervals=True),
     help="Times over which profiles are averaged, s: T0,T1; the last fifth if left out.",
 )
 _references = click.option(
@@ -183,7 +179,7 @@ def init(file: Path, template: str) -> None:
 @_results
 @_stations
 @_window
-@click.option("--times", type=Numbers(), default=(), help="Times of the deposit, s: T,T,...")
+@click.option("--times", type=numbers_type(), default=(), help="Times of the deposit, s: T,T,...")
 @_references
 def postprocess(
     folder: Path,
@@ -272,12 +268,12 @@ def _tell_files(files: Sequence[Path]) -> None:
 )
 @click.option(
     "--times",
-    type=Numbers(),
+    type=numbers_type(),
     help="Times of the panels, s; six evenly spread ones if left out.",
 )
 @click.option(
     "--view",
-    type=Numbers(4, are_intervals=True),
+    type=numbers_type(4, are_intervals=True),
     help="Part of a run in two dimensions, m: X0,X1,Y0,Y1; all if left out.",
 )
 def render(

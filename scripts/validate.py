@@ -377,8 +377,8 @@ def print_heap() -> None:
 
 
 FILMS = {
-    "Bingham, tau0 a quarter of the bed stress": (film3d.bingham(0.25), (10, 20)),
-    "Bingham, half": (film3d.bingham(0.5), (10, 20)),
+    "Bingham, tau0 a quarter of the bed stress": (film3d.bingham(0.25), (10, 20, 30)),
+    "Bingham, half": (film3d.bingham(0.5), (10, 20, 30)),
     "Herschel-Bulkley, n = 0.5, a quarter": (film3d.herschel_bulkley(0.25), (10, 20)),
 }
 

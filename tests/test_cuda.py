@@ -23,6 +23,10 @@ from numba import cuda
 from numba.cuda import dispatcher, libdevice, ufuncs
 from numba.cuda.cudadrv import nvvm
 
+pytestmark = pytest.mark.skipif(
+    not nvvm.is_available(),
+    reason="numba-cuda is installed without its toolkit, whose NVVM compiles to PTX",
+)
 CAPABILITY = (9, 0)
 LATTICE = reference(3, 2.4, 1.0)
 LENGTH = 9.0
@@ -31,9 +35,6 @@ LENGTH = 9.0
 @pytest.fixture(autouse=True)
 def compiler(monkeypatch):
     """Let numba-cuda compile without a GPU, and tell it the NumPy functions it does not know."""
-    if not nvvm.is_available():
-        # numba-cuda can be installed without the wheels of the toolkit, and then nothing compiles
-        pytest.skip("NVVM, the compiler to PTX, is not installed: numba-cuda without its toolkit")
     device = SimpleNamespace(compute_capability=CAPABILITY)
     monkeypatch.setattr(dispatcher, "get_current_device", lambda: device)
 

@@ -35,8 +35,7 @@ def screen():
     try:
         offscreen.require_offscreen()
     except OutputError as error:
-        # VTK has no driver here, so that there is no picture to look at; it says what to install
-        pytest.skip(str(error))
+        pytest.skip(f"VTK has no driver to draw with, so that there is no picture: {error}")
 
 
 def written(folder, case, frames=3):
