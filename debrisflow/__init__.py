@@ -22,7 +22,7 @@ __all__ = ["__version__", "load_case", "open_run", "simulate"]
 _WHERE = {
     "load_case": "debrisflow.case",
     "open_run": "debrisflow.results",
-    "simulate": "debrisflow.simulation",
+    "simulate": "debrisflow.run.loop",
 }
 
 try:

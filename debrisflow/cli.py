@@ -111,7 +111,7 @@ def main() -> None:
 def check(case: Path, overrides: tuple[str, ...]) -> None:
     """Validate CASE and print what it will run."""
     from debrisflow.case import load_case
-    from debrisflow.forecast import forecast
+    from debrisflow.run.forecast import forecast
 
     checked = load_case(case, overrides)
     click.echo(f"{case}: {checked.title}")
@@ -136,7 +136,7 @@ def run(
 
     checked = load_case(case, overrides)  # before the solver is imported, which takes a second
 
-    from debrisflow.simulation import simulate
+    from debrisflow.run.loop import simulate
 
     folder = output or Path("runs") / case.stem
     _tell(simulate(checked, folder, threads=threads, overwrite=overwrite), folder)
@@ -147,7 +147,7 @@ def run(
 @_threads
 def resume(folder: Path, threads: int | None) -> None:
     """Continue the run in the folder RUN from its last checkpoint."""
-    from debrisflow.simulation import resume
+    from debrisflow.run.loop import resume
 
     _tell(resume(folder, threads=threads), folder)
 

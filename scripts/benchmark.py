@@ -32,9 +32,9 @@ from benchmark_peer import environment, measure_peer
 from debrisflow._jit import set_threads
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
-from debrisflow.explicit import Explicit
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import State, initial_state
+from debrisflow.particles.state import State, initial_state
+from debrisflow.schemes.explicit import Explicit
+from debrisflow.schemes.semi_implicit import SemiImplicit
 
 STEPS = {2: 12, 3: 80}
 TINY = 0.05

@@ -4,16 +4,20 @@ from math import ceil
 
 import numpy as np
 
-from debrisflow import momentum, operators, pairs
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.lattice import reference
-from debrisflow.neighbors import FixedNeighbors, Neighbors
-from debrisflow.particles import blank
-from debrisflow.rheology import DragLaw, Law
-from debrisflow.simulation import SCHEMES
-from debrisflow.state import initial_state
-from debrisflow.system import empty_system
+from debrisflow.neighbors import pairs
+from debrisflow.neighbors.lattice import reference
+from debrisflow.neighbors.lists import FixedNeighbors, Neighbors
+from debrisflow.neighbors.stencil import empty_stencil, survey
+from debrisflow.neighbors.wall_access import WallSurface
+from debrisflow.particles.record import blank
+from debrisflow.particles.state import initial_state
+from debrisflow.physics import momentum
+from debrisflow.physics.drag import DragLaw
+from debrisflow.physics.rheology import Law
+from debrisflow.run.loop import SCHEMES
+from debrisflow.schemes.system import empty_system
 
 NOWHERE = np.zeros(3)  # periods of a domain that does not repeat
 RADII = [(2, 3.1), (2, 2.1), (3, 2.4), (3, 2.1)]  # dimension, influence radius in spacings
@@ -62,8 +66,8 @@ def stencil_of(position, lattice, rows=None, period=NOWHERE, wall_from=None, nea
     if near is None:
         near = Neighbors(lattice.effective_radius, lattice.spacing, period)
         near.build(position, rows)
-    stencil = operators.empty_stencil(*near.index.shape, lattice)
-    operators.survey(position, period, near.index, near.count, stencil)
+    stencil = empty_stencil(*near.index.shape, lattice)
+    survey(position, period, near.index, near.count, stencil)
     return stencil._replace(wall_from=rows if wall_from is None else wall_from)
 
 
@@ -101,9 +105,7 @@ def times_listed(index, count, particles):
 def no_walls(particles):
     """Return the wall surface of particles among which there is no wall."""
     rest = blank(particles)
-    return operators.WallSurface(
-        rest.wall_normal, rest.wall_depth, np.zeros(particles), np.zeros(particles)
-    )
+    return WallSurface(rest.wall_normal, rest.wall_depth, np.zeros(particles), np.zeros(particles))
 
 
 def numbers_of(lattice, **changes):

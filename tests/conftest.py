@@ -65,28 +65,28 @@ def channel(tmp_path: Path) -> Path:
 @pytest.fixture
 def ends(monkeypatch: pytest.MonkeyPatch) -> list:
     """Return a list that takes the last state of every run."""
-    from debrisflow import simulation
+    from debrisflow.run import loop
 
-    kept, conclude = [], simulation._Run._conclude
+    kept, conclude = [], loop._Run._conclude
 
     def conclude_and_keep(run, reason):
         kept.append(run.state)
         return conclude(run, reason)
 
-    monkeypatch.setattr(simulation._Run, "_conclude", conclude_and_keep)
+    monkeypatch.setattr(loop._Run, "_conclude", conclude_and_keep)
     return kept
 
 
 @pytest.fixture
 def interrupt(monkeypatch: pytest.MonkeyPatch):
     """Return a function: from now on runs are interrupted at step 30, as by Ctrl-C."""
-    from debrisflow import simulation
+    from debrisflow.run import loop
 
-    write = simulation._Run.write
+    write = loop._Run.write
 
     def write_and_interrupt(run, iterations):
         write(run, iterations)
         if run.state.step == 30:
             signal.raise_signal(signal.SIGINT)
 
-    return lambda: monkeypatch.setattr(simulation._Run, "write", write_and_interrupt)
+    return lambda: monkeypatch.setattr(loop._Run, "write", write_and_interrupt)

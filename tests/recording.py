@@ -4,16 +4,17 @@ import numpy as np
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.grid import plan
-from debrisflow.history import history_row
-from debrisflow.lattice import reference
-from debrisflow.maxima import no_maxima
-from debrisflow.measures import deposit_profile, flow
-from debrisflow.output import RunFolder
-from debrisflow.particles import Kind, blank, set_material
+from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.matter import set_material
+from debrisflow.particles.maxima import no_maxima
+from debrisflow.particles.record import Kind, blank
+from debrisflow.particles.state import State
 from debrisflow.results import open_run
 from debrisflow.results.survey import survey
-from debrisflow.state import State
+from debrisflow.run.folder import RunFolder
+from debrisflow.run.history import history_row
+from debrisflow.run.measures import deposit_profile, flow
+from debrisflow.space.plan_grid import plan
 
 
 def channel_case(length=4.0, spacing=0.02, slope=0.0, shape=None, **tables):

@@ -4,13 +4,17 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from debrisflow import boundary, geometry, probes
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.case.estimate import particle_estimate
-from debrisflow.grid import locate, plan
-from debrisflow.wall_pressure import wall_faces
-from debrisflow.walls import wall_points
+from debrisflow.particles.inflow_outflow import remove_leaving
+from debrisflow.run import probes
+from debrisflow.run.probes.wall_pressure import wall_faces
+from debrisflow.space.domain import LEFT, WALL_NAMES, domain, wall_layers
+from debrisflow.space.fills import fill, inflow_section
+from debrisflow.space.floor import height_over_floor, is_over_floor
+from debrisflow.space.plan_grid import locate, plan
+from debrisflow.space.walls import wall_points
 from tests.building import advance, started
 
 D0 = 0.05
@@ -92,7 +96,7 @@ def test_no_layer_of_any_surface_has_a_hole(kind):
     points = wall_points(flume(geometry=KINDS[kind]))
     near = cKDTree(points.position)
     for name, (surface, normal) in surfaces(kind).items():
-        for layer in range(geometry.wall_layers(flume())):
+        for layer in range(wall_layers(flume())):
             within = surface - (layer + 0.5) * D0 * np.array(normal)
             # beside a missing particle of the lattice there is none nearer than a spacing
             assert near.query(within)[0].max() < 0.9 * D0, (name, layer)
@@ -133,20 +137,20 @@ def test_side_walls_below_a_bent_floor_point_to_its_edge():
     points = wall_points(flume(geometry=RUNOUT))
     x, y, z = points.position.T
     case = flume(geometry=RUNOUT)
-    below = -geometry.height_over_floor(case, x, z, x)
+    below = -height_over_floor(case, x, z, x)
     rows = (y < 0.0) & (x > START + 0.2) & (below > 0.0)
     assert np.count_nonzero(rows) > 50
     assert below[rows].max() < 3 * D0
     edge = (points.position + points.depth[:, None] * points.normal)[rows]
     np.testing.assert_allclose(edge[:, 1], 0.0, atol=1e-12)
-    height = geometry.height_over_floor(case, edge[:, 0], edge[:, 2], edge[:, 0])
+    height = height_over_floor(case, edge[:, 0], edge[:, 2], edge[:, 0])
     np.testing.assert_allclose(height, 0.0, atol=1e-12)
 
 
 def test_walls_bear_their_names_and_the_head_wall_those_of_the_sides():
     points = wall_points(flume())
     x, y, z = points.position.T
-    names = {name: points.name == geometry.WALL_NAMES.index(name) for name in geometry.WALL_NAMES}
+    names = {name: points.name == WALL_NAMES.index(name) for name in WALL_NAMES}
     assert np.all(names["front"][(y < 0) & (x > 0) & (x < START) & (z > 0)])
     assert np.all(names["back"][(y > WIDTH) & (x > 0) & (x < START) & (z > 0)])
     assert np.all(names["floor"][(x > START)])
@@ -158,7 +162,7 @@ def test_walls_bear_their_names_and_the_head_wall_those_of_the_sides():
 
 def test_a_weir_reaches_over_the_width():
     points = wall_points(flume(geometry=BED | {"weir_height": 0.1}))
-    weir = points.name == geometry.WALL_NAMES.index("right")
+    weir = points.name == WALL_NAMES.index("right")
     crest = weir & (points.normal[:, 2] > 0.99) & (points.layer == 1)
     rows = np.unique(points.position[crest, 1].round(6))
     np.testing.assert_allclose(rows[(rows > 0) & (rows < WIDTH)], (np.arange(8) + 0.5) * D0)
@@ -167,21 +171,21 @@ def test_a_weir_reaches_over_the_width():
 def test_a_periodic_channel_repeats_along_its_floor():
     case = flume(geometry={"periodic": True})
     points = wall_points(case)
-    assert {geometry.WALL_NAMES[k] for k in set(points.name)} == {"floor", "front", "back"}
+    assert {WALL_NAMES[k] for k in set(points.name)} == {"floor", "front", "back"}
     assert not np.any(points.normal[:, 0])
     assert points.position[:, 0].min() > 0.0
     assert points.position[:, 0].max() < LENGTH
-    np.testing.assert_array_equal(geometry.domain(case).period, [LENGTH, 0.0, 0.0])
+    np.testing.assert_array_equal(domain(case).period, [LENGTH, 0.0, 0.0])
 
 
 def test_the_supply_enters_below_the_left_wall():
     case = flume(geometry=RUNOUT, inflow={"depth": 0.1, "velocity": 1.0})
-    assert geometry.inflow_section(case) == (0, 8, 2)
+    assert inflow_section(case) == (0, 8, 2)
     points = wall_points(case)
     x, y, z = points.position.T
     before = (x < 0.0) & (y > 0.0) & (y < WIDTH)
     assert not np.any(before & (z > 0.0) & (z < 0.1))
-    assert np.all(points.name[before & (z > 0.1)] == geometry.LEFT)
+    assert np.all(points.name[before & (z > 0.1)] == LEFT)
     upstream = (x < -2.0 * D0) & (x > -3.0 * D0)
     assert np.count_nonzero(upstream & (y < 0.0) & (z > 0.0) & (z < 0.1)) == 3 * 2
     assert np.count_nonzero(upstream & (y > 0.0) & (y < WIDTH) & (z < 0.0)) == 8 * 3
@@ -190,7 +194,7 @@ def test_the_supply_enters_below_the_left_wall():
 def test_an_obstacle_at_the_mouth_is_whole():
     box = {"type": "box", "name": "pier", "x": [1.1, 1.4], "y": [0.1, 0.3], "z": [0.0, 0.2]}
     points = wall_points(flume(obstacle=[box]))
-    own = points.position[points.name == len(geometry.WALL_NAMES)]
+    own = points.position[points.name == len(WALL_NAMES)]
     assert len(own) == 6 * 4 * 4
     assert len(np.unique(own.round(6), axis=0)) == len(own)
 
@@ -209,7 +213,7 @@ def left_and_through(case, *places):
     p.position[: len(places)] = places
     p.velocity[: len(places)] = 0.0
     before = p.fluid_count
-    boundary.remove_leaving(state, case, geometry.domain(case))
+    remove_leaving(state, case, domain(case))
     assert before == p.fluid_count + state.left.sum() + state.through_wall.sum()
     return int(state.left.sum()), int(state.through_wall.sum())
 
@@ -266,7 +270,7 @@ def test_cells_cover_flume_and_plain_and_not_what_is_beside_the_flume():
 
 def test_the_bed_fills_the_recess_over_the_width():
     case = flume(fill=[{"type": "bed", "material": "mixture"}])
-    position = geometry.fill(case.fill[0], case)
+    position = fill(case.fill[0], case)
     assert len(position) == 8 * 8 * 3
     np.testing.assert_allclose(position.min(axis=0), [0.525, 0.025, -0.125])
     np.testing.assert_allclose(position.max(axis=0), [0.875, 0.375, -0.025])
@@ -291,7 +295,7 @@ def test_no_face_of_a_side_wall_lies_below_a_bent_floor():
     case = flume(geometry=RUNOUT)
     _, state = started(case)
     x, _, z = wall_faces(case, state.particles, "front").position.T
-    assert geometry.height_over_floor(case, x, z, x).min() > 0.0
+    assert height_over_floor(case, x, z, x).min() > 0.0
 
 
 def test_a_height_probe_stands_on_the_plain_beside_the_flume():
@@ -311,5 +315,5 @@ def test_water_slides_down_a_flume_and_spreads_on_its_plain():
     assert state.through_wall.sum() == 0
     assert p.fluid_count + state.left.sum() == count
     assert np.count_nonzero((y < -D0) | (y > WIDTH + D0)) > 20
-    assert np.all(geometry.is_over_floor(flume(), x, y))
-    assert geometry.height_over_floor(flume(), x, z, x).min() > 0.0
+    assert np.all(is_over_floor(flume(), x, y))
+    assert height_over_floor(flume(), x, z, x).min() > 0.0

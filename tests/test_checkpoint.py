@@ -6,11 +6,11 @@ import h5py
 import numpy as np
 import pytest
 
-from debrisflow import checkpoint
 from debrisflow.errors import OutputError
-from debrisflow.maxima import Maxima
-from debrisflow.particles import blank
-from debrisflow.state import State
+from debrisflow.particles.maxima import Maxima
+from debrisflow.particles.record import blank
+from debrisflow.particles.state import State
+from debrisflow.run import checkpoint
 
 
 @pytest.fixture

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
-from debrisflow import agitation, compressible, lattice, operators, pairs
-from debrisflow.lattice import reference
+from debrisflow.neighbors import lattice, pairs
+from debrisflow.neighbors.lattice import reference
+from debrisflow.neighbors.wall_access import WallSurface
+from debrisflow.physics import agitation, compressible
+from debrisflow.physics.operators import shear_rate_at, strain_rate
 from tests.building import (
     NOWHERE,
     RADII,
@@ -358,7 +361,7 @@ def test_walls_hold_what_sticks_to_them_and_nothing_else(block, row):
 def shear_rates(fluid, solid, period=NOWHERE):
     """Return the shear rates of all particles."""
     gradient = rows(agitation.velocity_gradient_at, fluid, solid, period)
-    return np.array([operators.strain_rate(*found) for found in gradient])
+    return np.array([strain_rate(*found) for found in gradient])
 
 
 def test_the_shear_rate_beside_no_slip_walls_is_that_of_the_semi_implicit_scheme(
@@ -368,14 +371,14 @@ def test_the_shear_rate_beside_no_slip_walls_is_that_of_the_semi_implicit_scheme
     found = shear_rates(fluid, solid, period)
     everyone = np.concatenate([fluid.position, solid.position])
     stencil = stencil_of(everyone, LATTICE, period=period, wall_from=300)
-    walls = operators.WallSurface(
+    walls = WallSurface(
         np.concatenate([np.zeros((300, 3)), solid.normal]),
         np.concatenate([np.zeros(300), solid.depth]),
         np.concatenate([np.zeros(300), solid.slip]),
         np.zeros(450),
     )
     velocity = np.concatenate([fluid.velocity, np.zeros((150, 3))])
-    expected = np.array([operators.shear_rate_at(i, velocity, walls, stencil) for i in range(300)])
+    expected = np.array([shear_rate_at(i, velocity, walls, stencil) for i in range(300)])
     assert np.count_nonzero(expected) > 290  # others have too few neighbors
     assert_alike(found, expected)
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from debrisflow import agitation, compressible
-from debrisflow.granular import Grains, algebraic_temperature, granular_pressure
-from debrisflow.lattice import reference
+from debrisflow.neighbors.lattice import reference
+from debrisflow.physics import agitation, compressible
+from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, granular_pressure
 from tests.building import (
     fluid_of,
     lattice_block,

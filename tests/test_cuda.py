@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from numba import typeof, types
 
-from debrisflow import agitation, compressible
-from debrisflow.granular import Grains
-from debrisflow.lattice import reference
+from debrisflow.neighbors.lattice import reference
+from debrisflow.physics import agitation, compressible
+from debrisflow.physics.kinetic_theory import Grains
 from tests.building import fluid_of, near_of, numbers_of, random_patch, solid_of
 
 pytest.importorskip("numba_cuda", reason="numba-cuda is not installed: the extra cuda-check")

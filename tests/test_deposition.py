@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
 from debrisflow.results.deposition import deposit_columns, deposit_table, deposition
 from debrisflow.results.frames import Frame
 from tests.recording import cells, channel3d_case, channel_case, placed

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from debrisflow import agitation, exchange, granular, images
 from debrisflow._jit import set_threads
-from debrisflow.lattice import reference
+from debrisflow.neighbors.lattice import reference
+from debrisflow.physics import agitation, exchange, images
+from debrisflow.physics.concentration import concentration, level_concentration
 from tests.building import (
     NO_STRENGTH,
     NOWHERE,
@@ -452,8 +453,8 @@ def test_concentrations_are_those_of_the_semi_implicit_scheme(fluid, rng, period
     agitation.concentrations(fraction, level, DOWN, fluid, near, NUMBERS, around, at_level)
     stencil = stencil_of(fluid.position, LATTICE, period=period)
     expected, leveled = np.empty((2, COUNT))
-    granular.concentration(COUNT, fraction, stencil, expected)
-    granular.level_concentration(COUNT, level, DOWN, stencil, leveled)
+    concentration(COUNT, fraction, stencil, expected)
+    level_concentration(COUNT, level, DOWN, stencil, leveled)
     np.testing.assert_allclose(around, expected, rtol=EXACT)
     np.testing.assert_allclose(at_level, leveled, rtol=EXACT)
     assert np.ptp(around - at_level) > 0.01

@@ -7,12 +7,13 @@ import shutil
 import numpy as np
 import pytest
 
-from debrisflow import checkpoint, explicit, simulation
 from debrisflow._jit import set_threads
 from debrisflow.errors import DivergedError
-from debrisflow.explicit import Explicit
-from debrisflow.measures import elastic_energy, energies
-from debrisflow.neighbors import FixedNeighbors
+from debrisflow.neighbors.lists import FixedNeighbors
+from debrisflow.run import checkpoint, loop
+from debrisflow.run.measures import elastic_energy, energies
+from debrisflow.schemes import explicit
+from debrisflow.schemes.explicit import Explicit
 from tests.building import advance, momentum_of, started, tank3d_case
 from tests.test_checkpoint import identical
 
@@ -168,12 +169,12 @@ def probed_dam_break():
 
 def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(tmp_path, ends):
     whole, rest = tmp_path / "whole", tmp_path / "rest"
-    simulation.simulate(probed_dam_break(), whole, threads=1)
+    loop.simulate(probed_dam_break(), whole, threads=1)
     shutil.copytree(whole, rest)
     saved = checkpoint.load(rest / "checkpoint.h5")
     assert 0 < saved.step < ends[0].step  # the last checkpoint is one of the middle
     assert np.any(saved.crossed != ends[0].crossed)
-    simulation.resume(rest, threads=1)
+    loop.resume(rest, threads=1)
     assert identical(*ends)
     outputs = {f.relative_to(whole) for f in whole.rglob("*") if f.suffix in (".vtu", ".csv")}
     names = {file.name for file in outputs}
@@ -256,7 +257,7 @@ def test_a_run_that_diverges_says_where_and_keeps_its_last_good_state(tmp_path, 
 
     monkeypatch.setattr(Explicit, "step", step_and_spoil)
     with pytest.raises(DivergedError, match=r"at t = .* s, step 9, particle \d+ at .*checkpoint"):
-        simulation.simulate(still_tank(), tmp_path / "run", threads=1)
+        loop.simulate(still_tank(), tmp_path / "run", threads=1)
     kept = checkpoint.load(tmp_path / "run" / "checkpoint.h5")
     assert kept.step == 9
     assert np.all(np.isfinite(kept.particles.position))

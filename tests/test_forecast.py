@@ -2,7 +2,7 @@
 
 import pytest
 
-from debrisflow.forecast import forecast
+from debrisflow.run.forecast import forecast
 from tests.building import tank3d_case, tank_case
 
 

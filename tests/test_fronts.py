@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
 from debrisflow.results.answers import answers
 from debrisflow.results.fronts import arrival, front_table
 from tests.recording import (

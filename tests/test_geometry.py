@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from debrisflow import geometry
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.measures import deposit_profile
-from debrisflow.particles import Kind
-from debrisflow.walls import wall_points
+from debrisflow.particles.record import Kind
+from debrisflow.run.measures import deposit_profile
+from debrisflow.space.domain import WALL_NAMES
+from debrisflow.space.floor import floor_level, floor_roughness, height_over_floor
+from debrisflow.space.walls import wall_points
 from tests.building import advance, started
 
 D0 = 0.02
@@ -36,7 +37,7 @@ def bent_channel(**tables):
 
 def test_the_floor_of_a_runout_lies_at_its_slope():
     case = bent_channel()
-    level = geometry.floor_level(case, np.array([0.5, 1.0, 1.5]))
+    level = floor_level(case, np.array([0.5, 1.0, 1.5]))
     np.testing.assert_allclose(level, [0.0, 0.0, 0.5 * np.tan(np.radians(12.0))], atol=1e-12)
 
 
@@ -65,16 +66,16 @@ def test_the_roughness_under_a_point_is_that_of_the_wall_below_it(kind):
     points = wall_points(case)
     columns = [np.flatnonzero(np.abs(points.position[:, 0] - at) < 1e-9) for at in x]
     top = [column[np.argmax(points.position[column, 1])] for column in columns]
-    below = [roughness[geometry.WALL_NAMES[name]] for name in points.name[top]]
+    below = [roughness[WALL_NAMES[name]] for name in points.name[top]]
     assert len(set(below)) >= 2
-    np.testing.assert_array_equal(geometry.floor_roughness(case, x), below)
+    np.testing.assert_array_equal(floor_roughness(case, x), below)
     if case.geometry.periodic:
-        np.testing.assert_array_equal(geometry.floor_roughness(case, x + 2.0), below)
+        np.testing.assert_array_equal(floor_roughness(case, x + 2.0), below)
 
 
 def test_no_law_of_the_wall_acts_on_a_floor_without_roughness():
     case = bent_channel()
-    assert np.all(np.isinf(geometry.floor_roughness(case, np.array([0.5, 1.5]))))
+    assert np.all(np.isinf(floor_roughness(case, np.array([0.5, 1.5]))))
 
 
 @pytest.mark.parametrize("layer", [1, 2, 3, 4])
@@ -122,5 +123,5 @@ def test_a_film_runs_along_a_tilted_floor_and_not_through_it():
     x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
     assert state.through_wall.sum() == 0
     assert x.max() > 1.3
-    height = geometry.height_over_floor(case, x, y, x)
+    height = height_over_floor(case, x, y, x)
     assert height.min() > 0.2 * D0

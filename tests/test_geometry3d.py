@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 import pyvista
 
-from debrisflow import geometry
 from debrisflow.case import dump_case, load_case
-from debrisflow.particles import Kind, seed
-from debrisflow.walls import wall_points
+from debrisflow.particles.record import Kind
+from debrisflow.particles.seeding import seed
+from debrisflow.space.domain import WALL_NAMES, wall_names
+from debrisflow.space.walls import wall_points
 from tests.building import tank3d_case
 
 D0 = 0.1
@@ -72,7 +73,7 @@ def test_walls_bear_the_names_of_their_sides():
     }
     for name, there in sides.items():
         alone = there & (sum(s.astype(int) for s in sides.values()) == 1)
-        assert set(points.name[alone]) == {geometry.WALL_NAMES.index(name)}
+        assert set(points.name[alone]) == {WALL_NAMES.index(name)}
 
 
 def test_a_periodic_tank_repeats_across_its_sides():
@@ -80,14 +81,14 @@ def test_a_periodic_tank_repeats_across_its_sides():
     assert points.position[:, 1].min() > 0
     assert points.position[:, 1].max() < 1.2
     assert not np.any(points.normal[:, 1])
-    assert {geometry.WALL_NAMES[k] for k in set(points.name)} == {"floor", "left", "right"}
+    assert {WALL_NAMES[k] for k in set(points.name)} == {"floor", "left", "right"}
 
 
 def test_an_obstacle_is_wall_whose_normals_point_out_of_it():
     case = tank3d_case(size=WIDE, fill=[], scheme={"sound_speed": 20.0}, obstacle=[BOX])
     points = wall_points(case)
-    assert geometry.wall_names(case)[-1] == "pier"
-    own = points.name == len(geometry.WALL_NAMES)
+    assert wall_names(case)[-1] == "pier"
+    own = points.name == len(WALL_NAMES)
     p = points.position[own]
     assert own.sum() == 3 * 2 * 5
     lower, upper = np.array([0.5, 0.4, 0.0]), np.array([0.8, 0.6, 0.5])
@@ -117,7 +118,7 @@ def test_a_mesh_is_wall_with_the_normals_of_its_surface(tmp_path):
         obstacle=[mesh(file, offset=tuple(center))],
     )
     points = wall_points(case)
-    own = points.name == len(geometry.WALL_NAMES)
+    own = points.name == len(WALL_NAMES)
     out = points.position[own] - center
     distance = np.linalg.norm(out, axis=1)
     assert distance.max() < 0.4
@@ -148,7 +149,7 @@ def test_a_ramp_on_the_floor_has_the_normal_of_its_slope_and_none_into_the_floor
     points = wall_points(
         tank3d_case(size=WIDE, fill=[], scheme={"sound_speed": 20.0}, obstacle=[ramp])
     )
-    own = points.name == len(geometry.WALL_NAMES)
+    own = points.name == len(WALL_NAMES)
     x, y, z = (points.position[own] - [start, 0.3, 0.0]).T
     slope = np.array([-1.0, 0.0, 2.0]) / np.sqrt(5.0)
     below = (0.5 * x - z) / np.sqrt(1.25)

@@ -3,11 +3,29 @@
 import numpy as np
 import pytest
 
-from debrisflow import granular, operators
-from debrisflow.granular import Grains
-from debrisflow.lattice import reference
-from debrisflow.linear import Solver
-from debrisflow.system import empty_system
+from debrisflow.neighbors.lattice import reference
+from debrisflow.physics.collision_stress import (
+    collision_force_at,
+    collision_state,
+    largest_collision_step,
+)
+from debrisflow.physics.concentration import concentration, level_concentration
+from debrisflow.physics.grain_pressure import assemble_grain_pressure, covered_depth_at
+from debrisflow.physics.granular_temperature import (
+    TEMPERATURES,
+    fluctuation_temperature_at,
+    neighborhood_temperature_at,
+)
+from debrisflow.physics.kinetic_theory import (
+    Grains,
+    algebraic_temperature,
+    granular_pressure,
+    granular_viscosity,
+    radial_distribution,
+)
+from debrisflow.physics.operators import number_density_at
+from debrisflow.schemes.linear import Solver
+from debrisflow.schemes.system import empty_system
 from tests.building import (
     NOWHERE,
     RADII,
@@ -32,22 +50,22 @@ def rng():
 
 def test_radial_distribution_follows_equation_11():
     # (C / C*)^(1/3) = 1/2, 0.9 and 0
-    assert granular.radial_distribution(0.55 / 8, 0.55) == pytest.approx(2.0, rel=1e-14)
-    assert granular.radial_distribution(0.55 * 0.9**3, 0.55) == pytest.approx(10.0, rel=1e-13)
-    assert granular.radial_distribution(0.0, 0.55) == 1.0
+    assert radial_distribution(0.55 / 8, 0.55) == pytest.approx(2.0, rel=1e-14)
+    assert radial_distribution(0.55 * 0.9**3, 0.55) == pytest.approx(10.0, rel=1e-13)
+    assert radial_distribution(0.0, 0.55) == 1.0
 
 
 def test_collision_stress_follows_equation_10():
     c = 0.55 / 8  # g0 = 2
     pressure = 2.0 * 2650.0 * c**2 * 2.0 * 1.7 * 0.09
     viscosity = 0.8 * c**2 * 0.003 * 2650.0 * 2.0 * 1.7 * 0.3 / np.sqrt(np.pi)
-    assert granular.granular_pressure(c, 0.09, GRAINS) == pytest.approx(pressure, rel=1e-13)
-    assert granular.granular_viscosity(c, 0.09, GRAINS) == pytest.approx(viscosity, rel=1e-13)
+    assert granular_pressure(c, 0.09, GRAINS) == pytest.approx(pressure, rel=1e-13)
+    assert granular_viscosity(c, 0.09, GRAINS) == pytest.approx(viscosity, rel=1e-13)
 
 
 def test_collision_stress_grows_with_concentration_and_temperature():
     concentrations, temperatures = np.linspace(0.0, 0.549, 40), np.geomspace(1e-8, 1.0, 20)
-    for law in (granular.granular_pressure, granular.granular_viscosity):
+    for law in (granular_pressure, granular_viscosity):
         table = np.array([[law(c, t, GRAINS) for t in temperatures] for c in concentrations])
         assert np.all(table[0] == 0.0)
         assert np.all(np.diff(table, axis=0) > 0)
@@ -59,10 +77,10 @@ def test_collision_stress_grows_with_concentration_and_temperature():
 def test_plane_shear_has_the_stress_ratio_of_kinetic_theory(restitution):
     grains = GRAINS._replace(restitution=restitution)
     for c, rate in ((0.1, 3.0), (0.5, 200.0)):
-        temperature = granular.algebraic_temperature(rate, grains)
+        temperature = algebraic_temperature(rate, grains)
         assert temperature == pytest.approx((0.003 * rate) ** 2 / (15 * (1 - restitution)))
-        stress = granular.granular_viscosity(c, temperature, grains) * rate
-        ratio = stress / granular.granular_pressure(c, temperature, grains)
+        stress = granular_viscosity(c, temperature, grains) * rate
+        ratio = stress / granular_pressure(c, temperature, grains)
         assert ratio == pytest.approx(0.4 * np.sqrt(15 * (1 - restitution) / np.pi), rel=1e-13)
 
 
@@ -72,7 +90,7 @@ def test_uniform_shear_looks_like_temperature(dimension, radius):
     count = len(position)
     velocity = np.zeros((count, 3))
     velocity[:, 0] = 5.0 + 4.0 * position[:, 1]
-    found = granular.neighborhood_temperature_at(i, count, velocity, np.ones(count), stencil)
+    found = neighborhood_temperature_at(i, count, velocity, np.ones(count), stencil)
     near = np.linalg.norm(position - position[i], axis=1) < radius
     height = position[near, 1] - position[i, 1]
     expected = 4.0**2 * np.mean(height**2) / dimension
@@ -88,7 +106,7 @@ def test_uniform_motion_has_no_temperature(dimension, radius, rng):
     stencil = stencil_of(position, reference(dimension, radius, 1.0))
     velocity = np.tile([3.7, -1.3, 0.0], (200, 1))
     for i in range(200):
-        found = granular.neighborhood_temperature_at(i, 200, velocity, np.ones(200), stencil)
+        found = neighborhood_temperature_at(i, 200, velocity, np.ones(200), stencil)
         assert 0.0 <= found < 1e-14 * 3.7**2 * 200  # a rounding of each square
 
 
@@ -98,7 +116,7 @@ def test_only_grains_have_a_temperature(rng):
     velocity = random_patch(2, 100, rng)
     fraction = np.where(np.arange(100) % 3 == 0, 1.0, 0.0)
     velocity[fraction > 0] = [1.0, 2.0, 0.0]
-    found = granular.neighborhood_temperature_at(0, 100, velocity, fraction, stencil)
+    found = neighborhood_temperature_at(0, 100, velocity, fraction, stencil)
     assert found < 1e-13  # water moves at random, grains as one
 
 
@@ -112,8 +130,8 @@ def test_a_linear_velocity_is_no_fluctuation(dimension, radius, rng):
     fraction = rng.choice([0.0, 1.0], 120, p=(0.2, 0.8))
     velocity[fraction == 0.0] = 1e3  # water does not count
     for i in np.flatnonzero(fraction):
-        found = granular.fluctuation_temperature_at(i, 120, velocity, fraction, stencil)
-        spread = granular.neighborhood_temperature_at(i, 120, velocity, fraction, stencil)
+        found = fluctuation_temperature_at(i, 120, velocity, fraction, stencil)
+        spread = neighborhood_temperature_at(i, 120, velocity, fraction, stencil)
         # rounding of differences of squares, more where the neighbors stand nearly on a line
         assert found <= 1e-9 * max(spread, 1e-9)
 
@@ -129,7 +147,7 @@ def test_the_fluctuation_temperature_is_that_of_independent_grains_in_the_mean(
         velocity = np.zeros((count, 3))
         velocity[:, :dimension] = rng.normal(0.0, 0.3, (count, dimension))
         velocity[:, 0] += 4.0 * position[:, 1]
-        found.append(granular.fluctuation_temperature_at(i, count, velocity, everywhere, stencil))
+        found.append(fluctuation_temperature_at(i, count, velocity, everywhere, stencil))
     # the mean of 400 estimates from at least 10 x Ds degrees of freedom each: 1 sigma is 1.6 %
     assert np.mean(found) == pytest.approx(0.3**2, rel=0.05)
 
@@ -138,23 +156,21 @@ def test_too_few_grains_have_no_fluctuation():
     position = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     velocity = np.array([[0.0, 3.0, 0.0], [1.0, 0.0, 0.0], [5.0, 0.0, 0.0]])
     stencil = stencil_of(position, reference(2, 3.1, 1.0))
-    assert granular.fluctuation_temperature_at(0, 3, velocity, np.ones(3), stencil) == 0.0
+    assert fluctuation_temperature_at(0, 3, velocity, np.ones(3), stencil) == 0.0
     row = np.array([[0.5 * k, 0.0, 0.0] for k in range(6)])
     velocity = np.zeros((6, 3))
     velocity[::2, 0] = 1.0
     stencil = stencil_of(row, reference(2, 3.1, 1.0))
-    assert granular.fluctuation_temperature_at(2, 6, velocity, np.ones(6), stencil) == 0.0
+    assert fluctuation_temperature_at(2, 6, velocity, np.ones(6), stencil) == 0.0
 
 
-@pytest.mark.parametrize("name", granular.TEMPERATURES)
+@pytest.mark.parametrize("name", TEMPERATURES)
 def test_every_temperature_is_that_of_the_grains_alone(name, rng):
     position = random_patch(2, 150, rng, length=8.0)
     stencil = stencil_of(position, reference(2, 3.1, 1.0))
     velocity, fraction = random_patch(2, 150, rng), rng.choice([0.0, 0.5, 1.0], 150)
     temperature = np.full(150, np.nan)
-    granular.TEMPERATURES[name](
-        150, velocity, fraction, no_walls(150), GRAINS, stencil, temperature
-    )
+    TEMPERATURES[name](150, velocity, fraction, no_walls(150), GRAINS, stencil, temperature)
     assert np.all(temperature[fraction == 0.0] == 0.0)
     assert np.all(temperature[fraction > 0.0] > 0.0)
 
@@ -165,17 +181,17 @@ def test_collision_state_is_that_of_the_clipped_concentration(rng):
     fraction = rng.choice([0.0, 0.5, 1.0], 150)
     c, temperature = rng.uniform(0.0, 0.9, 150), rng.uniform(0.01, 0.1, 150)
     pressure, viscosity = np.full((2, 150), np.nan)
-    granular.collision_state(fraction, c, temperature, GRAINS, stencil, pressure, viscosity)
+    collision_state(fraction, c, temperature, GRAINS, stencil, pressure, viscosity)
     for values in (pressure, viscosity):
         assert np.all(values[fraction == 0.0] == 0.0)
     n0 = stencil.number_density
     for i in np.nonzero(fraction)[0]:
         clipped, t = min(c[i], 0.5), temperature[i]
-        n, _ = operators.number_density_at(i, stencil)
+        n, _ = number_density_at(i, stencil)
         inside = np.clip((n / n0 - 0.8) / 0.2, 0.0, 1.0)  # fades towards the free surface
-        whole = granular.granular_pressure(clipped, t, GRAINS)
+        whole = granular_pressure(clipped, t, GRAINS)
         assert pressure[i] == pytest.approx(inside * whole, rel=1e-9, abs=1e-12)
-        assert viscosity[i] == pytest.approx(granular.granular_viscosity(clipped, t, GRAINS))
+        assert viscosity[i] == pytest.approx(granular_viscosity(clipped, t, GRAINS))
 
 
 @pytest.mark.parametrize("slip", [0.0, 1.0])
@@ -185,9 +201,7 @@ def test_a_wall_shears_grains_unless_they_slip_along_it(slip):
     walls.normal[1, 1], walls.depth[1], walls.slip[1] = 1.0, 0.5, slip
     stencil = stencil_of(position, reference(2, 3.1, 1.0), rows=1, wall_from=1)
     velocity, ones = np.array([[2.0, 0.0, 0.0], [0.5, 0.0, 0.0]]), np.ones(2)
-    force = granular.collision_force_at(
-        0, 1, velocity, ones, 100.0 * ones, 3.0 * ones, walls, stencil
-    )
+    force = collision_force_at(0, 1, velocity, ones, 100.0 * ones, 3.0 * ones, walls, stencil)
     # mirrored at the surface: the wall particle has 0.5 - 1.5 m/s
     shear = 4.0 / (stencil.laplacian_lambda * stencil.number_density) * 3.0 * 2.1 * (-3.0)
     np.testing.assert_allclose(force, [shear * (1.0 - slip), 0.0, 0.0], rtol=1e-13)
@@ -201,7 +215,7 @@ def test_the_collision_step_is_that_of_sound_or_of_diffusion():
 
     def step(c, pressure, viscosity, grains, spacing):
         density = rock[: c.size]
-        return granular.largest_collision_step(c, density, pressure, viscosity, grains, spacing)
+        return largest_collision_step(c, density, pressure, viscosity, grains, spacing)
 
     assert step(c, np.array([100.0, 1.0]), none, grains, 0.01) == pytest.approx(0.002 / sound)
     diffusion = 0.2 * 0.01**2 * 2650.0 / 50.0
@@ -215,14 +229,14 @@ def test_concentration_is_a_mean(dimension, radius, rng):
     position = random_patch(dimension, 300, rng, length=8.0)
     stencil = stencil_of(position, reference(dimension, radius, 1.0))
     c = np.empty(300)
-    granular.concentration(300, np.full(300, 0.37), stencil, c)
+    concentration(300, np.full(300, 0.37), stencil, c)
     np.testing.assert_allclose(c, 0.37, rtol=1e-13)  # also at the rim: walls and air do not count
     fraction = rng.choice([0.0, 1.0], 300)
-    granular.concentration(300, fraction, stencil, c)
+    concentration(300, fraction, stencil, c)
     assert c.min() >= 0.0
     assert c.max() <= 1.0
     smooth = np.empty(300)
-    granular.concentration(300, c, stencil, smooth)
+    concentration(300, c, stencil, smooth)
     assert np.std(smooth) < np.std(c) < np.std(fraction)
 
 
@@ -231,7 +245,7 @@ def test_concentration_counts_the_fluid_in_reach_by_weight():
     position = np.array([[0.0, 0.0, 0.0], [1.55, 0.0, 0.0], [0.5, 0.0, 0.0]])
     stencil = stencil_of(position, reference(2, 3.1, 1.0), wall_from=2)
     c = np.empty(2)
-    granular.concentration(2, np.array([1.0, 0.0, 0.0]), stencil, c)
+    concentration(2, np.array([1.0, 0.0, 0.0]), stencil, c)
     np.testing.assert_allclose(c, [2.0 / 3.0, 1.0 / 3.0], rtol=1e-14)
 
 
@@ -246,7 +260,7 @@ def balanced_bed(water_rows):
     is_surface[p.fluid] = height > (rows - 1) * SPACING
     stencil = stencil_of(p.position, scheme.lattice, p.unknown_count, wall_from=p.fluid_count)
     system = empty_system(stencil.neighbors)
-    granular.assemble_grain_pressure(
+    assemble_grain_pressure(
         p.fluid_count, c, 0.275, is_surface, SUBMERGED, GRAVITY, stencil, system
     )
     solution = np.zeros(p.unknown_count)
@@ -285,7 +299,7 @@ def test_a_linear_grain_pressure_is_exact_on_any_arrangement(rng, dimension, rad
     is_given = rng.random(400) < 0.1
     system = empty_system(stencil.neighbors)
     c = np.full(400, 0.4)
-    granular.assemble_grain_pressure(400, c, 0.275, is_given, SUBMERGED, gravity, stencil, system)
+    assemble_grain_pressure(400, c, 0.275, is_given, SUBMERGED, gravity, stencil, system)
     assert np.all(system.entries[is_given] == 0)
     system.right[is_given] = expected[is_given]
     found = np.zeros(400)
@@ -304,7 +318,7 @@ def test_the_concentration_at_a_level_tells_a_bed_from_water_on_it(water_rows, s
     down = np.array([np.sin(np.radians(slope)), -np.cos(np.radians(slope)), 0.0])
     for _ in range(2):
         c, given = np.zeros(p.fluid_count), c
-        granular.level_concentration(p.fluid_count, given, down, stencil, c)
+        level_concentration(p.fluid_count, given, down, stencil, c)
     if water_rows == 0:
         np.testing.assert_allclose(c, 0.55, rtol=1e-12)
     else:
@@ -321,7 +335,7 @@ def test_a_sunken_surface_row_carries_what_it_has_sunk(slope):
     top = int(np.argmin(np.abs(rows[:, 0] - 4.5) - rows[:, 1]))
     angle = np.radians(slope)
     gravity = 9.0 * np.array([np.sin(angle), -np.cos(angle), 0.0])
-    depth = granular.covered_depth_at(top, len(rows), gravity, stencil)
+    depth = covered_depth_at(top, len(rows), gravity, stencil)
     assert depth == pytest.approx(1.5 - 0.75 * np.cos(angle), rel=1e-12)
 
 
@@ -331,7 +345,7 @@ def test_without_grains_or_gravity_there_is_no_grain_pressure(rng):
     system = empty_system(stencil.neighbors)
     is_surface = np.arange(200) < 20
     for c, gravity in ((0.274, GRAVITY), (0.5, NOWHERE)):
-        granular.assemble_grain_pressure(
+        assemble_grain_pressure(
             200, np.full(200, c), 0.275, is_surface, SUBMERGED, gravity, stencil, system
         )
         found = np.zeros(200)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from debrisflow import hydrostatic
-from debrisflow.particles import seed
+from debrisflow.particles import hydrostatic_start
+from debrisflow.particles.seeding import seed
 from tests.building import tank3d_case
 
 C, G, D0 = 20.0, 9.81, 0.1
@@ -22,7 +22,7 @@ def settled(z, h):
 
 def test_a_column_on_the_floor_is_compressed_by_its_weight():
     case, particles, before = started()
-    hydrostatic.compress(particles, case)
+    hydrostatic_start.compress(particles, case)
     fluid = particles.fluid
     z = before[:, 2]
     np.testing.assert_allclose(particles.compression[fluid], G * (0.5 - z) / C**2, rtol=1e-12)
@@ -32,7 +32,7 @@ def test_a_column_on_the_floor_is_compressed_by_its_weight():
 
 def test_the_mass_above_a_settled_particle_is_what_it_was():
     case, particles, before = started()
-    hydrostatic.compress(particles, case)
+    hydrostatic_start.compress(particles, case)
     top = settled(0.5, 0.5)
     z = particles.position[particles.fluid, 2]
     for row in range(0, z.size, 7):
@@ -55,7 +55,7 @@ def layers():
 
 def test_each_layer_of_a_column_weighs_as_its_matter():
     case, particles, before = layers()
-    hydrostatic.compress(particles, case)
+    hydrostatic_start.compress(particles, case)
     z, heavy = before[:, 2], 1000.0 + 0.4 * 1650.0
     np.testing.assert_allclose(particles.density[particles.fluid], np.where(z < 0.3, heavy, 1e3))
     load = G * np.where(z < 0.3, heavy * (0.3 - z) + 1000.0 * 0.3, 1000.0 * (0.6 - z))
@@ -66,7 +66,7 @@ def test_each_layer_of_a_column_weighs_as_its_matter():
 
 def test_each_layer_of_a_column_sinks_by_the_compression_below_it():
     case, particles, before = layers()
-    hydrostatic.compress(particles, case)
+    hydrostatic_start.compress(particles, case)
     heavy = 1660.0
     z = np.unique(before[:, 2])
     for height in z:
@@ -80,7 +80,7 @@ def test_each_layer_of_a_column_sinks_by_the_compression_below_it():
 
 def test_a_hanging_block_is_left_as_it_is():
     case, particles, before = started(z=[0.3, 0.6])
-    hydrostatic.compress(particles, case)
+    hydrostatic_start.compress(particles, case)
     np.testing.assert_array_equal(particles.position[particles.fluid], before)
     assert not np.any(particles.compression)
 
@@ -88,7 +88,7 @@ def test_a_hanging_block_is_left_as_it_is():
 def test_a_column_on_an_obstacle_stands_and_one_above_a_gap_hangs():
     pier = {"type": "box", "name": "pier", "x": [0.0, 0.2], "y": [0.0, 0.2], "z": [0.0, 0.3]}
     case, particles, before = started(z=[0.3, 0.6], obstacle=[pier])
-    hydrostatic.compress(particles, case)
+    hydrostatic_start.compress(particles, case)
     on_pier = np.all(before[:, :2] < 0.2, axis=1)
     assert on_pier.sum() == 12
     head = before[on_pier, 2] - 0.3
@@ -104,15 +104,15 @@ def test_a_column_on_an_obstacle_stands_and_one_above_a_gap_hangs():
 def test_the_jitter_is_bounded_and_that_of_the_seed():
     case, particles, before = started()
     walls = particles.position[particles.fluid_count :].copy()
-    hydrostatic.jitter(particles, case)
+    hydrostatic_start.jitter(particles, case)
     moved = particles.position[particles.fluid] - before
     assert 0.8 * 0.05 * D0 < np.abs(moved).max() <= 0.05 * D0
     assert np.all(np.ptp(moved, axis=0) > 0)
     np.testing.assert_array_equal(particles.position[particles.fluid_count :], walls)
     _, again, _ = started()
-    hydrostatic.jitter(again, case)
+    hydrostatic_start.jitter(again, case)
     np.testing.assert_array_equal(again.position, particles.position)
     other = tank3d_case(scheme={"jitter": 0.05}, particles={"seed": 2})
     third = seed(other)
-    hydrostatic.jitter(third, other)
+    hydrostatic_start.jitter(third, other)
     assert np.any(third.position[third.fluid] != particles.position[particles.fluid])

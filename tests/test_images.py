@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow import images
+from debrisflow.physics import images
 from tests.building import fluid_of, lattice_block, near_of, random_patch, solid_of
 from tests.test_exchange import LATTICE, NUMBERS, SPACING, coupled_momentum, flow_of, weight
 

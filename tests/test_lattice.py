@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow.lattice import reference
+from debrisflow.neighbors.lattice import reference
 from tests.building import RADII
 
 # Hand sums: dimension, radius in spacings, neighbors, n0, lambda / d0^2.

@@ -4,9 +4,9 @@ from math import radians, tan
 
 import pytest
 
-from debrisflow import rheology
 from debrisflow.case.materials import Sediment, Strength, Water, bulk_density, buoyant_share
-from debrisflow.laws import law_of
+from debrisflow.physics.rheology import consistency_viscosity, ramp, yield_strength
+from debrisflow.schemes.records import law_of
 from tests.building import tank_case
 
 WATER, ROCK = Water(density=1000.0), Sediment(density=2500.0)
@@ -33,8 +33,8 @@ def test_grains_carry_their_buoyant_share_in_water_and_all_when_dry():
 
 def test_no_law_resists_nothing():
     law = law_from(law="none", yield_stress=10.0, consistency=5.0)
-    assert rheology.yield_strength(1e4, 0.5, 1.0, law) == 0.0
-    assert rheology.consistency_viscosity(0.5, 1.0, law) == 0.0
+    assert yield_strength(1e4, 0.5, 1.0, law) == 0.0
+    assert consistency_viscosity(0.5, 1.0, law) == 0.0
 
 
 def test_friction_is_that_of_the_angles():
@@ -48,7 +48,7 @@ def test_friction_is_that_of_the_angles():
 
 def test_slurries_have_no_friction():
     law = law_from(law="bingham", yield_stress=20.0)
-    assert rheology.yield_strength(1e4, 0.5, 1.0, law) == 20.0
+    assert yield_strength(1e4, 0.5, 1.0, law) == 20.0
     assert law.consistency == 0.0
     law = law_from(law="herschel-bulkley", yield_stress=20.0, consistency=5.0, exponent=0.4)
     assert (law.friction, law.yield_stress, law.consistency, law.exponent) == (0.0, 20.0, 5.0, 0.4)
@@ -59,5 +59,5 @@ def test_a_mud_of_o_brien_and_julien_has_its_law_at_any_concentration():
     numbers = {"yield_stress": 0.0181, "yield_growth": 25.7, "consistency": 0.0036}
     law = law_from(law="obrien-julien", viscosity_growth=22.1, **numbers)
     assert (law.yield_growth, law.viscosity_growth, law.exponent) == (25.7, 22.1, 1.0)
-    assert rheology.ramp(0.0, law) == 0.0
-    assert rheology.ramp(1e-6, law) == 1.0
+    assert ramp(0.0, law) == 0.0
+    assert ramp(1e-6, law) == 1.0

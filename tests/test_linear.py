@@ -5,9 +5,9 @@ import pytest
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import spsolve
 
-from debrisflow import linear, multigrid
-from debrisflow.linear import Solver, conjugate_gradients, stabilized_biconjugate_gradients
-from debrisflow.system import empty_system, multiply, residual
+from debrisflow.schemes import linear, multigrid
+from debrisflow.schemes.linear import Solver, conjugate_gradients, stabilized_biconjugate_gradients
+from debrisflow.schemes.system import empty_system, multiply, residual
 
 SIDE = 50
 RADIUS = 3.1

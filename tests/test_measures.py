@@ -5,8 +5,9 @@ import pytest
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.measures import deposit_profile, energies, fronts, gravity_vector
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
+from debrisflow.run.measures import deposit_profile, energies, fronts
+from debrisflow.space.gravity import gravity_vector
 
 D0 = 0.01
 N0 = 19.0

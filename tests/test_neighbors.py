@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from debrisflow.lattice import reference
-from debrisflow.neighbors import SKIN, FixedNeighbors, Neighbors, order_by_cell
+from debrisflow.neighbors.lattice import reference
+from debrisflow.neighbors.lists import SKIN, FixedNeighbors, Neighbors, order_by_cell
 from tests.building import (
     NOWHERE,
     lattice_block,

@@ -3,9 +3,17 @@
 import numpy as np
 import pytest
 
-from debrisflow import granular, momentum, operators, pressure
-from debrisflow.lattice import reference
-from debrisflow.system import empty_system
+from debrisflow.neighbors.lattice import reference
+from debrisflow.neighbors.wall_access import velocity_difference
+from debrisflow.physics import momentum, pressure
+from debrisflow.physics.collision_stress import throw
+from debrisflow.physics.operators import (
+    gradient_at,
+    number_density,
+    number_density_at,
+    shear_rate_at,
+)
+from debrisflow.schemes.system import empty_system
 from tests.building import (
     NOWHERE,
     RADII,
@@ -70,7 +78,7 @@ def test_number_density_of_a_periodic_lattice_is_n0_everywhere(dimension, radius
     position = lattice_block(dimension, 12, 0.02)
     period = np.where(np.arange(3) < dimension, 12 * 0.02, 0.0)
     n, asymmetry = np.empty(len(position)), np.empty(len(position))
-    operators.number_density(stencil_of(position, lattice, period=period), n, asymmetry)
+    number_density(stencil_of(position, lattice, period=period), n, asymmetry)
     # w = r_e / r - 1 magnifies the rounding of positions 0.2 m from the origin
     np.testing.assert_allclose(n, lattice.number_density, rtol=1e-12)
     np.testing.assert_allclose(asymmetry, 0.0, atol=1e-11)
@@ -80,7 +88,7 @@ def test_the_sum_gradient_of_a_linear_field_is_exact(block, rng):
     position, stencil, i = block
     slope = on_plane(int(stencil.dimension), rng)
     for with_walls in (True, False):
-        found = operators.gradient_at(i, 3.0 + position @ slope, with_walls, stencil)
+        found = gradient_at(i, 3.0 + position @ slope, with_walls, stencil)
         np.testing.assert_allclose(found, slope, atol=EXACT)
 
 
@@ -92,13 +100,11 @@ def test_dummy_walls_take_the_value_of_the_particle_or_none():
     stencil = stencil_of(position, reference(2, 3.1, 1.0), rows=rows)
     i = int(np.nonzero(~position.any(axis=1))[0][0])
     values = np.full(rows, 5.0)
-    np.testing.assert_allclose(operators.gradient_at(i, values, True, stencil), 0.0, atol=EXACT)
+    np.testing.assert_allclose(gradient_at(i, values, True, stencil), 0.0, atol=EXACT)
     r = np.linalg.norm(position[rows:], axis=1)
     weight = np.maximum(3.1 / r - 1.0, 0.0) / r**2
     missing = 2.0 / stencil.number_density * 2.0 * 5.0 * weight @ position[rows:]
-    np.testing.assert_allclose(
-        operators.gradient_at(i, values, False, stencil), -missing, atol=EXACT
-    )
+    np.testing.assert_allclose(gradient_at(i, values, False, stencil), -missing, atol=EXACT)
     assert missing[1] < -0.5
 
 
@@ -207,7 +213,7 @@ def test_denser_than_the_lattice_drives_the_pressure_up():
     squeezed = stencil_of(0.98 * position, reference(2, 3.1, 1.0))
     rest = np.zeros_like(position)
     right = assembled(squeezed, rest, np.ones(len(position)), (0.0, 0.0, 3.0), rate=2.0).right
-    n, _ = operators.number_density_at(i, squeezed)
+    n, _ = number_density_at(i, squeezed)
     assert n > squeezed.number_density
     assert right[i] == pytest.approx(2.0 * (n - squeezed.number_density), rel=EXACT)
 
@@ -218,7 +224,7 @@ def test_the_shear_rate_of_a_linear_profile_is_exact(block, rng):
     gradient = np.zeros((3, 3))
     gradient[:dimension, :dimension] = rng.normal(size=(dimension, dimension))
     walls = no_walls(len(position))
-    found = operators.shear_rate_at(i, 2.0 + position @ gradient.T, walls, stencil)
+    found = shear_rate_at(i, 2.0 + position @ gradient.T, walls, stencil)
     strain = 0.5 * (gradient + gradient.T)
     assert found == pytest.approx(np.sqrt(2.0 * np.sum(strain**2)), rel=EXACT)
 
@@ -227,9 +233,9 @@ def test_rotation_and_translation_have_no_shear_rate(block, rng):
     position, stencil, i = block
     walls = no_walls(len(position))
     uniform = np.ones_like(position) * on_plane(int(stencil.dimension), rng)
-    assert operators.shear_rate_at(i, uniform, walls, stencil) == 0.0
+    assert shear_rate_at(i, uniform, walls, stencil) == 0.0
     rotation = np.cross([0.0, 0.0, 3.0], position)
-    assert operators.shear_rate_at(i, rotation, walls, stencil) < 3.0 * EXACT
+    assert shear_rate_at(i, rotation, walls, stencil) < 3.0 * EXACT
 
 
 def over_a_wall(slip, wall_velocity):
@@ -257,7 +263,7 @@ def test_the_shear_rate_is_exact_up_to_a_no_slip_wall(wall_velocity):
     column = np.nonzero((position[:, 0] == 0.0) & (position[:, 1] > 0) & (position[:, 1] < 5))[0]
     assert column.size == 5
     for i in column:
-        assert operators.shear_rate_at(i, velocity, walls, stencil) == pytest.approx(3.0, rel=EXACT)
+        assert shear_rate_at(i, velocity, walls, stencil) == pytest.approx(3.0, rel=EXACT)
         force = momentum.viscous_force_at(i, velocity, np.ones(len(position)), walls, stencil)
         # a linear profile needs no force
         np.testing.assert_allclose(force, 0.0, atol=10 * EXACT)
@@ -268,7 +274,7 @@ def test_a_wall_that_slips_or_moves_along_shears_nothing(slip, wall_velocity):
     _, is_wall, stencil, walls, velocity = over_a_wall(slip, wall_velocity)
     velocity[~is_wall, 0] = 2.0
     for i in np.nonzero(~is_wall)[0]:
-        assert operators.shear_rate_at(i, velocity, walls, stencil) == 0.0
+        assert shear_rate_at(i, velocity, walls, stencil) == 0.0
 
 
 def test_a_particle_that_sinks_into_a_wall_counts_as_half_a_spacing_above():
@@ -279,7 +285,7 @@ def test_a_particle_that_sinks_into_a_wall_counts_as_half_a_spacing_above():
     for height, factor in ((1.0, 2.5), (0.5, 4.0), (0.1, 4.0), (-0.2, 4.0)):
         position[0, 1] = height
         stencil = stencil_of(position, reference(2, 3.1, 1.0), wall_from=1)
-        found = operators.velocity_difference(0, 0, velocity, walls, stencil)
+        found = velocity_difference(0, 0, velocity, walls, stencil)
         np.testing.assert_allclose(found, -factor * velocity[0], rtol=EXACT)
 
 
@@ -313,7 +319,7 @@ def test_the_collision_stress_conserves_momentum_and_spares_water(patch, rng):
     grain_pressure, viscosity = rng.uniform(0, 1e3, 200), rng.uniform(0, 10.0, 200)
     walls = no_walls(200)
     thrown = np.empty((200, 3))
-    granular.throw(velocity, density, fraction, grain_pressure, viscosity, walls, stencil, thrown)
+    throw(velocity, density, fraction, grain_pressure, viscosity, walls, stencil, thrown)
     matter = momentum.Matter(velocity, density, NONE, NONE, NONE, NONE, NONE)
     momentum.predict(1.0, NOWHERE, velocity, matter, thrown, False, walls, stencil, found)
     np.testing.assert_allclose(found, velocity + thrown, rtol=1e-14)

@@ -13,13 +13,14 @@ import pyvista
 from debrisflow.case import Case, load_case
 from debrisflow.case.defaults import complete
 from debrisflow.errors import OutputError
-from debrisflow.history import COLUMNS, history_row
-from debrisflow.lattice import reference
-from debrisflow.measures import DepositProfile
-from debrisflow.output import RunFolder, Schedule
-from debrisflow.particles import Kind
-from debrisflow.state import initial_state
-from debrisflow.vtu import write_particles
+from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.record import Kind
+from debrisflow.particles.state import initial_state
+from debrisflow.run.folder import RunFolder
+from debrisflow.run.history import COLUMNS, history_row
+from debrisflow.run.measures import DepositProfile
+from debrisflow.run.schedule import Schedule
+from debrisflow.run.vtu import write_particles
 
 ARRAYS = {
     "velocity": np.float32,
@@ -207,7 +208,7 @@ def test_a_series_with_other_columns_is_not_continued(tmp_path, case):
 def test_the_log_takes_what_the_package_says_until_it_is_closed(tmp_path, case):
     with RunFolder.create(tmp_path, case) as folder:
         folder.log.info("a step")
-        logging.getLogger("debrisflow.pressure").warning("shortened")
+        logging.getLogger("debrisflow.physics.pressure").warning("shortened")
     folder.log.warning("too late")
     log = (tmp_path / "run.log").read_text().splitlines()
     assert [line.split(" ", 2)[2] for line in log] == ["INFO a step", "WARNING shortened"]

@@ -6,20 +6,21 @@ import numpy as np
 import pytest
 import pyvista
 
-from debrisflow import geometry
 from debrisflow.case import Case, tables
 from debrisflow.case.defaults import complete
-from debrisflow.grid import floor_level, plan
-from debrisflow.history import history_row
-from debrisflow.lattice import reference
-from debrisflow.maxima import no_maxima
-from debrisflow.measures import deposit_profile, elastic_energy, energies, flow, fronts
-from debrisflow.output import RunFolder
-from debrisflow.particles import Kind, blank, set_material
+from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.matter import set_material
+from debrisflow.particles.maxima import no_maxima
+from debrisflow.particles.record import Kind, blank
+from debrisflow.particles.state import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.survey import survey
-from debrisflow.state import initial_state
+from debrisflow.run.folder import RunFolder
+from debrisflow.run.history import history_row
+from debrisflow.run.measures import deposit_profile, elastic_energy, energies, flow, fronts
+from debrisflow.space.domain import wall_names
+from debrisflow.space.plan_grid import cell_level, plan
 
 D0 = 0.1
 LATTICE = reference(3, 2.4, D0)
@@ -154,7 +155,7 @@ def test_piles_are_what_a_loop_over_cells_finds(rng):
 
 def test_the_top_of_an_obstacle_is_the_floor_and_a_beam_is_not():
     case = tank(obstacles=(BOX, BEAM))
-    raised = floor_level(case, plan(case)).reshape(5, 3)
+    raised = cell_level(case, plan(case)).reshape(5, 3)
     expected = np.zeros((5, 3))
     expected[2:4, 1] = 0.3
     np.testing.assert_allclose(raised, expected)
@@ -166,7 +167,7 @@ def test_the_top_of_an_obstacle_is_the_floor_and_a_beam_is_not():
 def test_obstacles_stand_on_each_other():
     tower = {"name": "tower", "x": (0.4, 0.6), "y": (0.2, 0.4), "z": (0.3, 0.5)}
     case = tank(obstacles=(tower, BOX))
-    raised = floor_level(case, plan(case)).reshape(5, 3)
+    raised = cell_level(case, plan(case)).reshape(5, 3)
     np.testing.assert_allclose(raised[2:4, 1], [0.5, 0.3])
 
 
@@ -307,7 +308,7 @@ def test_walls_stand_in_a_file_of_their_own(run, case):
     assert (frame.n_points, walls.n_points) == (p.fluid_count, p.count - p.fluid_count)
     assert set(walls.point_data) == {"kind", "id", "wall", "wall_normal"}
     assert frame["kind"].max() == Kind.MIXTURE
-    house = geometry.wall_names(case).index("house")
+    house = wall_names(case).index("house")
     assert walls.points[walls["wall"] == house, 0].min() == pytest.approx(0.45)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow import exchange
+from debrisflow.physics import exchange
 from tests.test_exchange import LAW, flow_of
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from debrisflow.particles import blank, seed
+from debrisflow.particles.record import blank
+from debrisflow.particles.seeding import seed
 from tests.building import tank_case
 
 

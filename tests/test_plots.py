@@ -6,10 +6,10 @@ from click.testing import CliRunner
 from matplotlib.image import imread
 
 from debrisflow.cli import main
-from debrisflow.output import RunFolder
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.references import Reference
+from debrisflow.run.folder import RunFolder
 from tests.recording import (
     cells,
     channel3d_case,

@@ -8,12 +8,12 @@ import pytest
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.errors import OutputError
-from debrisflow.lattice import reference
-from debrisflow.output import RunFolder
+from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.state import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.survey import survey
-from debrisflow.state import initial_state
+from debrisflow.run.folder import RunFolder
 
 D0 = 0.02
 BED = 0.1

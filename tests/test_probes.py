@@ -7,12 +7,12 @@ import pytest
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.crossings import Crossings
-from debrisflow.lattice import reference
-from debrisflow.measures import gravity_vector
-from debrisflow.particles import Kind
-from debrisflow.probes import probe_measures
-from debrisflow.state import initial_state
+from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.record import Kind
+from debrisflow.particles.state import initial_state
+from debrisflow.run.crossings import Crossings
+from debrisflow.run.probes import probe_measures
+from debrisflow.space.gravity import gravity_vector
 
 D0 = 0.05
 

@@ -12,8 +12,8 @@ from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.cli import main
 from debrisflow.errors import OutputError
-from debrisflow.output import RunFolder
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
+from debrisflow.particles.state import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.pictures import offscreen
 from debrisflow.results.pictures.coloring import FIELDS, KIND_COLORS, channels, scale_of
@@ -22,7 +22,7 @@ from debrisflow.results.pictures.render import DOTS, render
 from debrisflow.results.pictures.scene import scene_of
 from debrisflow.results.pictures.sheet import CENTIMETERS_PER_INCH, WIDTH
 from debrisflow.results.pictures.views import Camera, PerspectiveView, SectionView, Tiles, Window
-from debrisflow.state import initial_state
+from debrisflow.run.folder import RunFolder
 from tests.building import tank3d_case
 
 WHITE = [255, 255, 255]

@@ -10,11 +10,11 @@ from click.testing import CliRunner
 
 from debrisflow.cli import main
 from debrisflow.errors import OutputError
-from debrisflow.output import SUMMARY
 from debrisflow.results import open_run
 from debrisflow.results.compare import compare, table_lines
 from debrisflow.results.report import report
 from debrisflow.results.survey import survey
+from debrisflow.run.folder import SUMMARY
 from tests.recording import cells, channel3d_case, channel_case, placed, record, sliding
 
 TIMES = np.arange(0.0, 0.55, 0.1)

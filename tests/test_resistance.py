@@ -5,11 +5,12 @@ import shutil
 import numpy as np
 import pytest
 
-from debrisflow import geometry, simulation
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.errors import DivergedError, NotConvergedError
-from debrisflow.explicit import Explicit
+from debrisflow.run import loop
+from debrisflow.schemes.explicit import Explicit
+from debrisflow.space.floor import driving_gravity
 from tests.building import advance, momentum_of, started, tank3d_case
 from tests.test_checkpoint import identical
 
@@ -116,7 +117,7 @@ def test_walls_bear_gravity_across_them_and_across_the_floor():
     case = layer(35.0)
     normal = np.array([[0, 0, 1], [0, 1, 0], [0, -1, 0], [1, 0, 0], [0.6, 0.0, 0.8], [0, 0.6, 0.8]])
     along, _ = case.gravity.components
-    driving = geometry.driving_gravity(case, np.full(6, 0.1), normal.astype(float))
+    driving = driving_gravity(case, np.full(6, 0.1), normal.astype(float))
     expected = np.zeros((6, 3))
     expected[[0, 1, 2, 5], 0] = along
     np.testing.assert_allclose(driving, expected, atol=1e-14 * G)
@@ -126,11 +127,11 @@ def test_walls_bear_gravity_across_them_and_across_the_floor():
     bent = case.model_copy(update={"geometry": geometry_of})
     angle = np.radians(35.0)
     floor = np.array([[-np.sin(angle), 0.0, np.cos(angle)], [0.0, 1.0, 0.0]])
-    driving = geometry.driving_gravity(bent, np.full(2, 0.15), floor)
+    driving = driving_gravity(bent, np.full(2, 0.15), floor)
     np.testing.assert_allclose(driving, 0.0, atol=1e-14 * G)
     # in a tank all of it is balanced
     tank = tank3d_case(gravity={"slope": 5.0})
-    assert not np.any(geometry.driving_gravity(tank, np.full(6, 0.1), normal.astype(float)))
+    assert not np.any(driving_gravity(tank, np.full(6, 0.1), normal.astype(float)))
 
 
 def test_grains_of_a_saturated_mixture_carry_the_buoyant_share():
@@ -245,12 +246,12 @@ def test_a_resumed_run_with_a_strength_law_repeats_the_bits(tmp_path, ends, inte
         time={"end": 0.05},
         output={"interval": 0.025},
     )
-    simulation.simulate(case, tmp_path / "whole", threads=1)
+    loop.simulate(case, tmp_path / "whole", threads=1)
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        simulation.simulate(case, tmp_path / "broken", threads=1)
+        loop.simulate(case, tmp_path / "broken", threads=1)
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
-    simulation.resume(tmp_path / "rest", threads=1)
+    loop.resume(tmp_path / "rest", threads=1)
     assert ends[0].step > 2 * Explicit.REFRESH
     assert identical(ends[0], ends[-1])
 
@@ -272,7 +273,7 @@ def kept_by(error, spoil):
 
 def test_an_exchange_that_is_not_solved_ends_the_step_before_it_spoils_the_state(monkeypatch):
     def spoil(scheme, p):
-        monkeypatch.setattr("debrisflow.resistance.MOST_ITERATIONS", 0)
+        monkeypatch.setattr("debrisflow.schemes.resistance.MOST_ITERATIONS", 0)
 
     kept_by(NotConvergedError, spoil)
 

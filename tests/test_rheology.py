@@ -4,8 +4,16 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from debrisflow import rheology
-from debrisflow.lattice import reference
+from debrisflow.neighbors.lattice import reference
+from debrisflow.physics.drag import drag_coefficient, freedom
+from debrisflow.physics.rheology import (
+    consistency_viscosity,
+    harmonic_mean,
+    ramp,
+    yield_strength,
+    yielding_viscosity,
+)
+from debrisflow.physics.turbulence import mixing_length, turbulent_viscosity, wall_friction
 from tests.building import (
     GIDASPOW,
     NO_STRENGTH,
@@ -44,41 +52,41 @@ SLOW = 5e-324  # the least positive number
 
 
 def test_harmonic_mean_is_that_of_two_layers_in_series():
-    assert rheology.harmonic_mean(1.0, 3.0) == 1.5
-    assert rheology.harmonic_mean(2.0, 2.0) == 2.0
-    assert rheology.harmonic_mean(4.0, 0.0) == 0.0
-    assert rheology.harmonic_mean(0.0, 0.0) == 0.0
+    assert harmonic_mean(1.0, 3.0) == 1.5
+    assert harmonic_mean(2.0, 2.0) == 2.0
+    assert harmonic_mean(4.0, 0.0) == 0.0
+    assert harmonic_mean(0.0, 0.0) == 0.0
     # a thin layer on a thick one slides on itself
-    assert rheology.harmonic_mean(1e-3, 1e9) == pytest.approx(2e-3)
+    assert harmonic_mean(1e-3, 1e9) == pytest.approx(2e-3)
 
 
 def test_turbulent_viscosity_is_that_of_a_mixing_length():
-    found = rheology.turbulent_viscosity(1000.0, 0.006, 5.0)
+    found = turbulent_viscosity(1000.0, 0.006, 5.0)
     assert found == pytest.approx(1000.0 * 0.006**2 * 5.0)
-    assert rheology.turbulent_viscosity(1000.0, 0.006, 0.0) == 0.0
-    assert rheology.turbulent_viscosity(1000.0, 0.0, 5.0) == 0.0
+    assert turbulent_viscosity(1000.0, 0.006, 0.0) == 0.0
+    assert turbulent_viscosity(1000.0, 0.0, 5.0) == 0.0
 
 
 def test_the_mixing_length_over_a_rough_floor_makes_the_law_of_the_wall():
     # rho l^2 (du/dy)^2 = rho u*^2 gives u = u* / kappa ln(1 + 30 y / k_s)
     y, roughness, step = np.linspace(0.001, 0.02, 20), 0.01, 1e-7
-    speed = [1.0 / np.sqrt(rheology.wall_friction(height, roughness)) for height in y]
-    above = [1.0 / np.sqrt(rheology.wall_friction(height + step, roughness)) for height in y]
-    length = [rheology.mixing_length(1.0, height, roughness) for height in y]
+    speed = [1.0 / np.sqrt(wall_friction(height, roughness)) for height in y]
+    above = [1.0 / np.sqrt(wall_friction(height + step, roughness)) for height in y]
+    length = [mixing_length(1.0, height, roughness) for height in y]
     np.testing.assert_allclose(length * np.subtract(above, speed) / step, 1.0, rtol=1e-4)
 
 
 def test_the_mixing_length_of_the_case_is_the_greatest():
-    assert rheology.mixing_length(0.006, 0.5, 0.01) == 0.006
-    assert rheology.mixing_length(0.006, 1e-6, np.inf) == 0.006
-    assert rheology.mixing_length(0.0, 0.01, 0.01) == 0.0
+    assert mixing_length(0.006, 0.5, 0.01) == 0.006
+    assert mixing_length(0.006, 1e-6, np.inf) == 0.006
+    assert mixing_length(0.0, 0.01, 0.01) == 0.0
 
 
 def viscosity_of(pressure, c, rate, law):
     """Return the viscosity of the whole law, Pa s."""
-    smooth = rheology.consistency_viscosity(c, rate, law)
-    strength = rheology.yield_strength(pressure, c, rate, law)
-    return rheology.ramp(c, law) * (smooth + rheology.yielding_viscosity(strength, rate, law))
+    smooth = consistency_viscosity(c, rate, law)
+    strength = yield_strength(pressure, c, rate, law)
+    return ramp(c, law) * (smooth + yielding_viscosity(strength, rate, law))
 
 
 @pytest.mark.parametrize("pressure", [1.0, 300.0, 1e4])
@@ -117,7 +125,7 @@ def test_friction_grows_with_the_inertia_number_from_one_angle_to_the_other(pres
     per_inertia = np.sqrt(pressure / 2500.0) / 0.53e-3
 
     def mu(inertia):
-        return rheology.yield_strength(pressure, 0.5, inertia * per_inertia, BEADS) / pressure
+        return yield_strength(pressure, 0.5, inertia * per_inertia, BEADS) / pressure
 
     slow, fast = np.tan(np.radians([20.9, 32.76]))
     assert mu(0.0) == pytest.approx(slow, rel=1e-13)
@@ -144,27 +152,27 @@ def test_the_flow_curve_of_a_herschel_bulkley_slurry(exponent):
 
 
 def test_the_consistency_of_a_slurry_at_rest_is_bounded():
-    at_rest = rheology.consistency_viscosity(0.5, 0.0, HERSCHEL_BULKLEY)
+    at_rest = consistency_viscosity(0.5, 0.0, HERSCHEL_BULKLEY)
     assert at_rest == pytest.approx(5.0 * 0.001**-0.6, rel=1e-13)
     capped = HERSCHEL_BULKLEY._replace(largest_viscosity=100.0)
-    assert rheology.consistency_viscosity(0.5, 0.0, capped) == 100.0
-    assert rheology.consistency_viscosity(0.5, 1.0, NO_STRENGTH) == 0.0
+    assert consistency_viscosity(0.5, 0.0, capped) == 100.0
+    assert consistency_viscosity(0.5, 1.0, NO_STRENGTH) == 0.0
 
 
 def test_a_slurry_of_o_brien_and_julien_thickens_with_its_concentration():
     # at C = 0.4: 0.0181 exp(10.28) = 527.5 Pa and 0.0036 exp(8.84) = 24.86 Pa s
-    assert rheology.yield_strength(0.0, 0.4, 1.0, MUD) == pytest.approx(527.5, rel=1e-4)
-    assert rheology.consistency_viscosity(0.4, 1.0, MUD) == pytest.approx(24.86, rel=1e-4)
+    assert yield_strength(0.0, 0.4, 1.0, MUD) == pytest.approx(527.5, rel=1e-4)
+    assert consistency_viscosity(0.4, 1.0, MUD) == pytest.approx(24.86, rel=1e-4)
     stress = 20.0 * viscosity_of(0.0, 0.4, 20.0, MUD)
     assert stress == pytest.approx(527.5 + 20.0 * 24.86, rel=1e-4)
     assert viscosity_of(0.0, 0.0, 1.0, MUD) == 0.0
-    assert rheology.ramp(0.001, MUD) == 1.0
+    assert ramp(0.001, MUD) == 1.0
 
 
 def test_drag_of_a_packing_is_ergun_by_hand():
     # C = 0.5, |u| = 0.2 m/s, d = 3 mm: viscous 150 C mu / ((1-C)^2 d^2) = 33,333,
     # inertial 1.75 rho |u| / ((1-C) d) = 233,333
-    found = rheology.drag_coefficient(0.5, 0.2, GIDASPOW)
+    found = drag_coefficient(0.5, 0.2, GIDASPOW)
     assert found == pytest.approx(100_000 / 3 + 700_000 / 3, rel=1e-13)
     # the study's beta = 150 C^2 mu / ((1-C) d^2) + 1.75 rho C |u| / d
     beta = 150 * 0.25 * 1e-3 / (0.5 * 9e-6) + 1.75 * 1000 * 0.5 * 0.2 / 0.003
@@ -177,9 +185,9 @@ def test_drag_of_a_suspension_is_wen_and_yu_by_hand():
     c_d = 24 / reynolds * (1 + 0.15 * reynolds**0.687)
     assert c_d == pytest.approx(0.7131, abs=1e-4)
     beta = 0.75 * c_d * 1000 * 0.1 * (1 - 0.1) * 0.1 * (1 - 0.1) ** -2.65 / 0.003
-    assert rheology.drag_coefficient(0.1, 0.1, GIDASPOW) * 0.1 * (1 - 0.1) == pytest.approx(beta)
+    assert drag_coefficient(0.1, 0.1, GIDASPOW) * 0.1 * (1 - 0.1) == pytest.approx(beta)
     # beyond Re = 1000 the drag coefficient of a sphere is 0.44
-    fast = rheology.drag_coefficient(0.1, 10.0, GIDASPOW)
+    fast = drag_coefficient(0.1, 10.0, GIDASPOW)
     assert fast == pytest.approx(0.75 * 0.44 * 1000 * 10 * 0.9**-2.65 / 0.003, rel=1e-13)
 
 
@@ -191,13 +199,13 @@ def test_drag_at_rest_is_the_viscous_limit(c):
     else:
         expected = 18 * 1e-3 / 9e-6 * (1 - c) ** -3.65  # Stokes, hindered
     for speed in (0.0, SLOW, 1e-12):
-        assert rheology.drag_coefficient(c, speed, GIDASPOW) == pytest.approx(expected, rel=1e-6)
+        assert drag_coefficient(c, speed, GIDASPOW) == pytest.approx(expected, rel=1e-6)
 
 
 def test_drag_grows_with_speed_without_jumps():
     speeds = np.geomspace(1e-9, 10.0, 4000)
     for c in (0.0, 0.1, 0.3, 0.55):
-        found = np.array([rheology.drag_coefficient(c, speed, GIDASPOW) for speed in speeds])
+        found = np.array([drag_coefficient(c, speed, GIDASPOW) for speed in speeds])
         assert np.all(np.diff(found) > 0)
         # the steps of speed are 0.6 %; Schiller & Naumann meets 0.44 within 0.5 % at Re = 1000
         assert np.all(found[1:] / found[:-1] < 1.012)
@@ -207,18 +215,18 @@ def test_wall_friction_is_the_law_of_the_wall():
     # u+ = ln(1 + 30 y / k_s) / kappa, for y >> k_s the usual ln(30 y / k_s) / kappa
     for height, roughness in ((0.01, 0.001), (0.5, 0.003), (0.001, 0.01)):
         speed = np.log(1.0 + 30.0 * height / roughness) / 0.41
-        found = rheology.wall_friction(height, roughness)
+        found = wall_friction(height, roughness)
         assert found == pytest.approx(1.0 / speed**2, rel=1e-13)
     usual = (0.41 / np.log(30.0 * 0.5 / 0.003)) ** 2
-    assert rheology.wall_friction(0.5, 0.003) == pytest.approx(usual, rel=1e-4)
-    friction = [rheology.wall_friction(height, 0.003) for height in np.linspace(1e-6, 0.1, 50)]
+    assert wall_friction(0.5, 0.003) == pytest.approx(usual, rel=1e-4)
+    friction = [wall_friction(height, 0.003) for height in np.linspace(1e-6, 0.1, 50)]
     assert np.all(np.diff(friction) < 0.0)
 
 
 def settling_speed(c, law):
     """Return (1 - C) u_r where K u_r = (rho_s - rho_l) g, the balance of a suspension at rest."""
     return (1.0 - c) * brentq(
-        lambda u: rheology.drag_coefficient(c, u, law) * u - 1650.0 * 9.81, 1e-6, 5.0, xtol=1e-14
+        lambda u: drag_coefficient(c, u, law) * u - 1650.0 * 9.81, 1e-6, 5.0, xtol=1e-14
     )
 
 
@@ -239,7 +247,7 @@ def test_the_drag_of_gidaspow_jumps_where_its_law_changes():
         assert settling_speed(c, GIDASPOW) == settling_speed(c, WEN_YU)
     above = 0.2 + 1e-9
     speed = settling_speed(above, WEN_YU) / (1.0 - above)
-    laws = [rheology.drag_coefficient(above, speed, law) for law in (GIDASPOW, WEN_YU)]
+    laws = [drag_coefficient(above, speed, law) for law in (GIDASPOW, WEN_YU)]
     assert laws[0] / laws[1] == pytest.approx(3.2, abs=0.05)
     assert settling_speed(0.2, GIDASPOW) == pytest.approx(0.21, abs=0.005)
     assert settling_speed(above, GIDASPOW) == pytest.approx(0.11, abs=0.01)
@@ -247,11 +255,11 @@ def test_the_drag_of_gidaspow_jumps_where_its_law_changes():
 
 def test_grains_lose_their_freedom_towards_the_packing():
     c = np.linspace(0.0, 0.7, 141)
-    found = np.array([rheology.freedom(value, 0.55) for value in c])
+    found = np.array([freedom(value, 0.55) for value in c])
     assert np.all(found[c < 0.494] == 1.0)
     assert np.all(np.diff(found) <= 0.0)
     assert np.all(found[c > 0.5501] == 1e-4)
-    assert rheology.freedom(0.95 * 0.55, 0.55) == pytest.approx(0.5)
+    assert freedom(0.95 * 0.55, 0.55) == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("law", [COULOMB, BEADS, HERSCHEL_BULKLEY, MUD])

@@ -8,12 +8,12 @@ import shutil
 import numpy as np
 import pytest
 
-from debrisflow import checkpoint, simulation
 from debrisflow.case.defaults import complete
 from debrisflow.errors import DivergedError
-from debrisflow.measures import energies
-from debrisflow.particles import Kind
-from debrisflow.schemes import SemiImplicit
+from debrisflow.particles.record import Kind
+from debrisflow.run import checkpoint, loop
+from debrisflow.run.measures import energies
+from debrisflow.schemes.semi_implicit import SemiImplicit
 from tests.building import advance, bed_case, started, tank_case
 from tests.test_checkpoint import identical
 
@@ -64,22 +64,22 @@ def test_a_time_step_that_collapses_ends_the_run(tmp_path, monkeypatch):
     monkeypatch.setattr(SemiImplicit, "stable_dt", lambda self, state: 1e-12)
     case = tank_case(6, 6, "water")
     with pytest.raises(DivergedError, match=r"the time step has fallen to 1e-12 s.*checkpoint.h5"):
-        simulation.simulate(case, tmp_path / "run")
+        loop.simulate(case, tmp_path / "run")
     assert checkpoint.load(tmp_path / "run" / "checkpoint.h5").step == 0
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, ends, interrupt):
     case = bed_case(time={"end": 0.15}, output={"interval": 0.05})
-    simulation.simulate(case, tmp_path / "whole")
+    loop.simulate(case, tmp_path / "whole")
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        simulation.simulate(case, tmp_path / "broken")
+        loop.simulate(case, tmp_path / "broken")
     stopped = checkpoint.load(tmp_path / "broken" / "checkpoint.h5")
     assert stopped.step == SemiImplicit.REFRESH
     summary = json.loads((tmp_path / "broken" / "summary.json").read_text())
     assert summary["end_reason"] == "interrupted"
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
-    simulation.resume(tmp_path / "rest")
+    loop.resume(tmp_path / "rest")
     assert identical(ends[0], ends[-1])
     whole, rest = (tmp_path / run / "maxima.csv" for run in ("whole", "rest"))
     assert whole.read_bytes() == rest.read_bytes()

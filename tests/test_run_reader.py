@@ -6,12 +6,12 @@ from click.testing import CliRunner
 
 from debrisflow.cli import main
 from debrisflow.errors import CaseError, OutputError
-from debrisflow.output import RunFolder
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
 from debrisflow.results import open_run
 from debrisflow.results.answers import answers
 from debrisflow.results.survey import survey
-from debrisflow.series import read_table
+from debrisflow.run.folder import RunFolder
+from debrisflow.run.tables import read_table
 from tests.recording import (
     cells,
     channel3d_case,

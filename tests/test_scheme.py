@@ -10,14 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from debrisflow import boundary, checkpoint, simulation
 from debrisflow._jit import CACHE_DIRECTORY, set_threads
 from debrisflow.case.defaults import complete
 from debrisflow.errors import NotConvergedError
-from debrisflow.lattice import reference
-from debrisflow.linear import Solver
-from debrisflow.particles import Particles
-from debrisflow.rheology import drag_coefficient
+from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.record import Particles
+from debrisflow.physics.contact import collide
+from debrisflow.physics.drag import drag_coefficient
+from debrisflow.run import checkpoint, loop
+from debrisflow.schemes.linear import Solver
 from tests.building import (
     WEN_YU,
     advance,
@@ -194,7 +195,7 @@ def collided(position, velocity, density, restitution, walls=None, wall_from=Non
     count = stencil.wall_from
     after = velocity.copy()
     walls = no_walls(len(position)) if walls is None else walls
-    boundary.collide(count, velocity, density, walls, 0.9, restitution, stencil, after)
+    collide(count, velocity, density, walls, 0.9, restitution, stencil, after)
     return after
 
 
@@ -279,11 +280,11 @@ def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
     monkeypatch.setattr(Solver, "MULTIGRID_FROM", multigrid_from)
     monkeypatch.setattr(Solver, "MULTIGRID_BELOW", multigrid_below)
     whole, rest = tmp_path / "whole", tmp_path / "rest"
-    simulation.simulate(case(time={"end": 0.08}, output={"interval": 0.02}), whole)
+    loop.simulate(case(time={"end": 0.08}, output={"interval": 0.02}), whole)
     shutil.copytree(whole, rest)
     saved = checkpoint.load(rest / "checkpoint.h5")
     assert 0 < saved.step < ends[0].step  # the last checkpoint is one of the middle
-    simulation.resume(rest)
+    loop.resume(rest)
     assert identical(*ends)
     assert sum(exchanges) > 0 or case is not settling_case
     outputs = [

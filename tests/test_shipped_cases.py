@@ -10,11 +10,11 @@ import pytest
 import pyvista
 
 from debrisflow.case import case_schema, load_case
-from debrisflow.output import CASE, DEPOSIT, HISTORY, MAXIMA, SUMMARY
 from debrisflow.results import open_run
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.survey import survey
-from debrisflow.simulation import simulate
+from debrisflow.run.folder import CASE, DEPOSIT, HISTORY, MAXIMA, SUMMARY
+from debrisflow.run.loop import simulate
 
 CASES = Path(__file__).parents[1] / "cases"
 NAMES = sorted(path.stem for path in CASES.glob("*.toml"))

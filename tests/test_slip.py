@@ -3,11 +3,18 @@
 import numpy as np
 import pytest
 
-from debrisflow import granular, slip
-from debrisflow.lattice import reference
-from debrisflow.particles import MATTER, blank
-from debrisflow.rheology import drag_coefficient
-from debrisflow.slip import Materials, Slip
+from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.record import MATTER, blank
+from debrisflow.physics.concentration import concentration
+from debrisflow.physics.drag import drag_coefficient
+from debrisflow.physics.slip import (
+    concentration_ahead,
+    pair_up,
+    room_at,
+    surroundings_at,
+    survey_surroundings,
+)
+from debrisflow.schemes.slip import Materials, Slip
 from tests.building import GIDASPOW, RADII, WEN_YU, lattice_block, random_patch, stencil_of
 
 ROCK, WATER = 2650.0, 1000.0
@@ -36,8 +43,8 @@ def checkerboard():
 
 def smooth(particles, stencil):
     raw = np.zeros(particles.fluid_count)
-    granular.concentration(raw.size, particles.sediment_fraction, stencil, raw)
-    granular.concentration(raw.size, raw, stencil, particles.concentration)
+    concentration(raw.size, particles.sediment_fraction, stencil, raw)
+    concentration(raw.size, raw, stencil, particles.concentration)
 
 
 def random_mix(dimension, radius, rng, count=300):
@@ -156,7 +163,7 @@ def test_the_concentration_of_the_drag_has_no_bias_of_the_particle_itself(rng):
     p.sediment_fraction[:] = rng.choice([0.0, 1.0], len(position), p=(0.7, 0.3))
     smooth(p, stencil)
     c, share, weight = np.empty((3, len(position)))
-    slip.survey_surroundings(p.sediment_fraction, p.concentration, stencil, share, weight, c)
+    survey_surroundings(p.sediment_fraction, p.concentration, stencil, share, weight, c)
     is_rock = p.sediment_fraction > 0
     bias = p.concentration[is_rock].mean() - p.concentration[~is_rock].mean()
     assert bias > 0.05
@@ -222,7 +229,7 @@ def test_particles_change_places_when_both_come_nearer_to_their_paths():
         stencil = stencil_of(position, reference(2, 3.1, 1.0))
         wish = np.array([[0.0, -owed, 0.0], [0.0, owed, 0.0]])
         partner, fraction = np.empty(2, dtype=np.int64), np.array([1.0, 0.0])
-        slip.pair_up(wish, fraction, np.zeros(2), 1.01, stencil, partner)
+        pair_up(wish, fraction, np.zeros(2), 1.01, stencil, partner)
         assert list(partner) == ([1, 0] if expected else [-1, -1])
         left = 1.0 - owed if expected else -owed
         np.testing.assert_allclose(wish, [[0.0, left, 0.0], [0.0, -left, 0.0]], atol=1e-15)
@@ -245,14 +252,14 @@ def test_no_sediment_enters_what_is_packed_already(packing_limit, enters):
     below = int(np.argmin(np.linalg.norm(position - [6.5, 5.5, 0.0], axis=1)))
     assert fraction[below] == 0.0  # its nearest neighbors in the bed are sediment
     fraction[top] = 1.0
-    ahead = slip.concentration_ahead(top, below, 0.0, -1.0, 0.0, fraction, len(position), stencil)
-    around, _, _ = slip.surroundings_at(below, len(position), fraction, stencil)
+    ahead = concentration_ahead(top, below, 0.0, -1.0, 0.0, fraction, len(position), stencil)
+    around, _, _ = surroundings_at(below, len(position), fraction, stencil)
     assert around < 0.55 < ahead < 0.75  # around: with the clear water above
     wish = np.zeros_like(position)
     wish[top, 1] = -1.2
     partner = np.empty(len(position), dtype=np.int64)
     free = np.zeros(len(position))
-    slip.pair_up(wish, fraction, free, packing_limit, stencil, partner)
+    pair_up(wish, fraction, free, packing_limit, stencil, partner)
     assert (partner[top] == below) == enters
     assert np.count_nonzero(partner >= 0) == 2 * enters
 
@@ -263,7 +270,7 @@ def test_grains_that_touch_exchange_no_places(c, moves):
     position, fraction = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]), np.array([1.0, 0.0])
     stencil = stencil_of(position, reference(2, 3.1, 1.0))
     wish, partner = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]), np.empty(2, dtype=np.int64)
-    slip.pair_up(wish, fraction, np.full(2, 1.01 * c), 1.01, stencil, partner)
+    pair_up(wish, fraction, np.full(2, 1.01 * c), 1.01, stencil, partner)
     assert (partner[0] == 1) == moves
 
 
@@ -271,12 +278,12 @@ def test_a_grain_that_is_owed_more_than_it_can_have_is_held():
     part, spacing = np.array([0.7]), 0.01
     down, up = np.array([[0.0, -0.02, 0.0]]), np.array([[0.0, 0.02, 0.0]])
     u_r = np.array([[0.0, -0.2, 0.0]])
-    assert slip.room_at(0, part, down, spacing, u_r) == pytest.approx(1e-4)
-    assert slip.room_at(0, part, 0.95 * down, spacing, u_r) == pytest.approx(0.5)
-    assert slip.room_at(0, part, 0.5 * down, spacing, u_r) == 1.0
-    assert slip.room_at(0, part, up, spacing, u_r) == 1.0  # it comes nearer to its path
+    assert room_at(0, part, down, spacing, u_r) == pytest.approx(1e-4)
+    assert room_at(0, part, 0.95 * down, spacing, u_r) == pytest.approx(0.5)
+    assert room_at(0, part, 0.5 * down, spacing, u_r) == 1.0
+    assert room_at(0, part, up, spacing, u_r) == 1.0  # it comes nearer to its path
     # the water around slips the other way
-    assert slip.room_at(0, -part, up, spacing, u_r) == pytest.approx(1e-4)
+    assert room_at(0, -part, up, spacing, u_r) == pytest.approx(1e-4)
 
 
 def test_an_exchange_moves_the_matter_and_keeps_sums_and_places(rng):

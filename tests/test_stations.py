@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
 from debrisflow.results.answers import answers
 from debrisflow.results.references import dilatant_profile, distances
 from tests.recording import (

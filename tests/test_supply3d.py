@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 
-from debrisflow import boundary, checkpoint, geometry
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.crossings import Crossings
-from debrisflow.particles import Kind
-from debrisflow.probes import probe_measures
-from debrisflow.state import initial_state
+from debrisflow.particles.inflow_outflow import advance_supply, remove_leaving
+from debrisflow.particles.record import Kind
+from debrisflow.particles.state import initial_state
+from debrisflow.run import checkpoint
+from debrisflow.run.crossings import Crossings
+from debrisflow.run.probes import probe_measures
+from debrisflow.space.domain import domain, wall_layers
 from tests.test_checkpoint import identical
 
 D0 = 0.05
@@ -45,7 +47,7 @@ def supplied(case, until, dt=1e-3):
 
 def go_on(state, case, until, dt=1e-3):
     while state.time < until - 0.5 * dt:
-        boundary.advance_supply(state, case, dt)
+        advance_supply(state, case, dt)
         state.time += dt
         state.step += 1
     return state
@@ -55,7 +57,7 @@ def test_the_supply_fills_its_section_and_is_compressed_by_its_weight():
     case = flume(velocity=1.0, concentration=0.3)
     p = initial_state(case).particles
     rows = p.inflow
-    layers = geometry.wall_layers(case)
+    layers = wall_layers(case)
     cell = np.rint(p.position[rows] / D0 - 0.5).astype(int)
     assert p.fluid_count == 0
     assert p.inflow_count == 18 * layers
@@ -120,11 +122,11 @@ def test_a_hydrograph_is_exact_to_the_last_slab(until):
 
 def test_what_leaves_takes_its_own_sediment_along():
     case = flume(hydrograph=HYDROGRAPH)
-    state, domain = supplied(case, 1.5), geometry.domain(case)
+    state = supplied(case, 1.5)
     p = state.particles
     p.position[10:300, 0] += 1.0  # beyond the end
     p.position[:5, 2] = -0.2  # through the floor
-    boundary.remove_leaving(state, case, domain)
+    remove_leaving(state, case, domain(case))
     assert state.through_wall.sum() == 5
     assert state.left.sum() == 290
     inside = np.bincount(p.kind[p.fluid], minlength=3)
@@ -148,7 +150,7 @@ def test_a_section_sees_what_the_supply_brings():
     while state.time < 0.5:
         p = state.particles
         p.position[p.fluid, 0] += 1e-3 * 0.8
-        boundary.advance_supply(state, case, 1e-3)
+        advance_supply(state, case, 1e-3)
         state.time += 1e-3
         crossings.count(state)
     section = probe_measures(case, state.particles)["s"]

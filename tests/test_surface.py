@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from debrisflow.surface import (
+from debrisflow.case.triangles import (
     Surface,
     UnreadableSurfaceError,
     cells_inside,

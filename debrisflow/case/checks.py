@@ -12,24 +12,20 @@ from itertools import pairwise
 from math import hypot, isclose, sqrt
 from typing import Any
 
-from debrisflow.case import obstacles, probe_checks, space, strength_checks, weakly_compressible
-from debrisflow.case.bodies import MeshFill
-from debrisflow.case.defaults import (
-    FEWEST_RELAXATION_STEPS,
-    phases,
-    viscous_limits,
+from debrisflow.case import (
+    obstacle_checks,
+    probe_checks,
+    space_checks,
+    strength_checks,
+    weakly_compressible_checks,
 )
+from debrisflow.case.bodies import MeshFill
+from debrisflow.case.defaults import FEWEST_RELAXATION_STEPS, phases, viscous_limits
 from debrisflow.case.estimate import available_memory, estimate, size
 from debrisflow.case.materials import Mixture, Sediment, Strength, Water
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
-from debrisflow.case.shapes import (
-    Channel,
-    Channel3D,
-    ChannelShape,
-    Geometry,
-    is_three_dimensional,
-)
+from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Geometry, is_three_dimensional
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
@@ -286,8 +282,8 @@ def memory_suffices(
 CHECKS: tuple[Callable[..., Problems], ...] = (
     anything_to_compute,
     one_way_of_gravity,
-    *space.CHECKS,
-    *obstacles.CHECKS,
+    *space_checks.CHECKS,
+    *obstacle_checks.CHECKS,
     shares_of_mixes,
     inflow_in_channel,
     supply_across_channel,
@@ -297,7 +293,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     collisions_within_clip,
     slip_of_pure_phases,
     *strength_checks.CHECKS,
-    *weakly_compressible.CHECKS,
+    *weakly_compressible_checks.CHECKS,
     step_within_limits,
     density_relaxation_slow,
     *probe_checks.CHECKS,

@@ -7,12 +7,7 @@ from math import pi
 from pathlib import Path
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill
-from debrisflow.case.regions import (
-    covered,
-    recess,
-    section_of_supply,
-    surface_of,
-)
+from debrisflow.case.regions import covered, recess, section_of_supply, surface_of
 from debrisflow.case.shapes import (
     Channel,
     Channel3D,
@@ -22,13 +17,7 @@ from debrisflow.case.shapes import (
     is_three_dimensional,
     plain_edges,
 )
-from debrisflow.case.tables import (
-    AnyFill,
-    AnyObstacle,
-    Case,
-    Inflow,
-    Particles,
-)
+from debrisflow.case.tables import AnyFill, AnyObstacle, Case, Inflow, Particles
 
 # Measured on dam breaks: 2,700 bytes a particle at an influence radius of 3.1, 5,350 at 5.0.  The
 # second term is the neighbor list, the pair geometry and the linear system.

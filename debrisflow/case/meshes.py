@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from debrisflow.case.problems import Problem
-from debrisflow.surface import UnreadableSurfaceError, open_edges, read_surface
+from debrisflow.case.triangles import UnreadableSurfaceError, open_edges, read_surface
 
 TABLES = ("obstacle", "fill")
 

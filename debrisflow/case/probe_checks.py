@@ -25,11 +25,7 @@ from debrisflow.case.shapes import (
     is_three_dimensional,
     plain_edges,
 )
-from debrisflow.case.tables import (
-    AnyObstacle,
-    Gravity,
-    Particles,
-)
+from debrisflow.case.tables import AnyObstacle, Gravity, Particles
 
 Problems = Iterator[Problem]
 Probes = tuple[AnyProbe, ...]

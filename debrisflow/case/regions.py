@@ -18,15 +18,8 @@ from debrisflow.case.shapes import (
     Tank3D,
     is_three_dimensional,
 )
-from debrisflow.case.tables import (
-    AnyFill,
-    AnyObstacle,
-    Bed,
-    Gravity,
-    Inflow,
-    Particles,
-)
-from debrisflow.surface import Surface, cells_inside, read_surface
+from debrisflow.case.tables import AnyFill, AnyObstacle, Bed, Gravity, Inflow, Particles
+from debrisflow.case.triangles import Surface, cells_inside, read_surface
 
 WEIR_SPACINGS = 4
 # Share of a spacing by which a length may miss a multiple of it, for round-off in decimals.

@@ -7,14 +7,7 @@ from math import hypot, sqrt
 
 from debrisflow.case.regions import Region, covered, recess, runout_rise, section_of_supply
 from debrisflow.case.shapes import Channel3D, Geometry, Tank3D, is_three_dimensional
-from debrisflow.case.tables import (
-    AnyFill,
-    Bed,
-    Gravity,
-    Inflow,
-    Particles,
-    Walls,
-)
+from debrisflow.case.tables import AnyFill, Bed, Gravity, Inflow, Particles, Walls
 
 
 def given_speed(

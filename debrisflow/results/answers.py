@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case.probes import SectionProbe
-from debrisflow.history import PER_WIDTH
+from debrisflow.particles.state import PHASES
 from debrisflow.results.fronts import arrival
 from debrisflow.results.stations import VOLUME
 from debrisflow.results.survey import Survey
-from debrisflow.series import Table, rows_where
-from debrisflow.state import PHASES
+from debrisflow.run.history import PER_WIDTH
+from debrisflow.run.tables import Table, rows_where
 
 Floats = NDArray[np.float64]
 

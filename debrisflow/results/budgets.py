@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from debrisflow.case import tables
-from debrisflow.history import PER_WIDTH, WAYS
-from debrisflow.measures import gravity_vector, particle_volume
+from debrisflow.particles.state import PHASES
 from debrisflow.results.frames import Frame
-from debrisflow.series import Row, Table
-from debrisflow.state import PHASES
+from debrisflow.run.history import PER_WIDTH, WAYS
+from debrisflow.run.measures import particle_volume
+from debrisflow.run.tables import Row, Table
+from debrisflow.space.gravity import gravity_vector
 
 MATTER = ("water", "sediment")
 BUDGET_HEAD = (

@@ -13,7 +13,7 @@ from debrisflow.results.answers import answers, answers_by_heading
 from debrisflow.results.parameters import differences
 from debrisflow.results.plots.comparison import draw_comparison
 from debrisflow.results.survey import Survey
-from debrisflow.series import write_table
+from debrisflow.run.tables import write_table
 
 ABSENT = "-"
 

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 
 from debrisflow.case import tables
-from debrisflow.geometry import floor_bend
-from debrisflow.grid import FLOOR_WORDS, PLACE, PLACE_WORDS, Grid, floor_level, plan
-from debrisflow.lattice import reference
-from debrisflow.measures import deposit_profile, deposited, locate_fluid, particle_volume
+from debrisflow.neighbors.lattice import reference
 from debrisflow.results.frames import Frame
-from debrisflow.series import Table
+from debrisflow.run.measures import deposit_profile, deposited, locate_fluid, particle_volume
+from debrisflow.run.tables import Table
+from debrisflow.space.floor import floor_bend
+from debrisflow.space.plan_grid import FLOOR_WORDS, PLACE, PLACE_WORDS, Grid, cell_level, plan
 
 Floats = NDArray[np.float64]
 COLUMNS = (
@@ -48,7 +48,7 @@ LEAST_STEEP_CELLS = 3
 
 
 class Deposition(NamedTuple):
-    """Deposit and flow over the cells of :func:`debrisflow.grid.plan` at a time.
+    """Deposit and flow over the cells of :func:`debrisflow.space.plan_grid.plan` at a time.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ def deposition(case: tables.Case, frame: Frame, first: Deposition | None = None)
     grains = np.bincount(lying.cell, frame.sediment_fraction[lying.row], grid.x.size) * depth
     before = sediment if first is None else first.table["sediment_depth"]
     columns = (
-        floor_level(case, grid),
+        cell_level(case, grid),
         profile.deposit_height,
         profile.flow_height,
         profile.concentration,

@@ -11,7 +11,7 @@ import pyvista
 from numpy.typing import NDArray
 
 from debrisflow.errors import OutputError
-from debrisflow.measures import is_fluid
+from debrisflow.run.measures import is_fluid
 
 Floats = NDArray[np.float64]
 WITHOUT_FIELDS = ("time", "position")
@@ -25,7 +25,7 @@ class Frame(NamedTuple):
     time : float, s
     position, velocity : (n, 3) array, m, m/s
     kind : (n,) int array
-        See :class:`debrisflow.particles.Kind`.
+        See :class:`debrisflow.particles.record.Kind`.
     pressure : (n,) array, Pa
     density : (n,) array, kg/m3
     number_density, concentration, sediment_fraction : (n,) array

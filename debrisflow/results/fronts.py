@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import tables
-from debrisflow.geometry import floor_level, inflow_section
-from debrisflow.grid import floor_length
-from debrisflow.measures import FRONT_SHARE, fronts, gravity_vector
+from debrisflow.particles.state import PHASES
 from debrisflow.results.frames import Frame
-from debrisflow.series import Row, Table
-from debrisflow.state import PHASES
+from debrisflow.run.measures import FRONT_SHARE, fronts
+from debrisflow.run.tables import Row, Table
+from debrisflow.space.fills import inflow_section
+from debrisflow.space.floor import floor_level
+from debrisflow.space.gravity import gravity_vector
+from debrisflow.space.plan_grid import floor_length
 
 Floats = NDArray[np.float64]
 OUTER_SHARE = 0.999

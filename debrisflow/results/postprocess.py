@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from debrisflow.output import POSTPROCESS
 from debrisflow.results import answers as figures
 from debrisflow.results import references, stations
 from debrisflow.results.answers import Answer
@@ -17,7 +16,8 @@ from debrisflow.results.fronts import HEAD as FRONT_HEAD
 from debrisflow.results.plots import draw
 from debrisflow.results.references import Distance, Reference, distances_to_all
 from debrisflow.results.survey import Survey
-from debrisflow.series import Table, write_table
+from debrisflow.run.folder import POSTPROCESS
+from debrisflow.run.tables import Table, write_table
 
 TOLD = (
     "moving_share_end",

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from debrisflow.errors import OutputError
 from debrisflow.results.deposition import Deposition, greatest_across
 from debrisflow.results.survey import Survey
-from debrisflow.series import Table, read_table, rows_where
+from debrisflow.run.tables import Table, read_table, rows_where
 
 Floats = NDArray[np.float64]
 NORMALIZED = "y_over_h"

@@ -13,14 +13,14 @@ import jinja2
 import numpy as np
 
 from debrisflow import __version__
-from debrisflow.atomic import replaced
-from debrisflow.output import PICTURES, POSTPROCESS
 from debrisflow.results.answers import answers_by_heading
 from debrisflow.results.parameters import Parameter, parameters, summary
 from debrisflow.results.plots import DESCRIPTIONS
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.references import Reference, distances_to_all
 from debrisflow.results.survey import Survey
+from debrisflow.run.atomic import replaced
+from debrisflow.run.folder import PICTURES, POSTPROCESS
 
 FILE = "report.html"
 RUNNING = "still running, or interrupted"

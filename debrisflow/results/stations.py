@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from debrisflow.case import tables
 from debrisflow.case.shapes import Channel3D, Tank3D
-from debrisflow.geometry import domain, floor_bend, height_over_floor
-from debrisflow.measures import particle_volume, wetted_width
 from debrisflow.results.frames import Frame
-from debrisflow.series import Row, Table, rows_where
+from debrisflow.run.measures import particle_volume, wetted_width
+from debrisflow.run.tables import Row, Table, rows_where
+from debrisflow.space.domain import domain
+from debrisflow.space.floor import floor_bend, height_over_floor
 
 Floats = NDArray[np.float64]
 UP = {2: "y", 3: "z"}

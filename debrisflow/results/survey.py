@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from debrisflow.errors import OutputError
-from debrisflow.grid import floor_length
-from debrisflow.measures import particle_volume
+from debrisflow.particles.state import PHASES
 from debrisflow.results.budgets import budget_table, momentum_row, momentum_table
 from debrisflow.results.deposition import Deposition, deposition
 from debrisflow.results.frames import read_frame
 from debrisflow.results.fronts import Mobility, front_row, front_table, mobility, source_of
-from debrisflow.results.run import BAR, Run
+from debrisflow.results.reader import BAR, Run
 from debrisflow.results.stations import (
     hydrograph_rows,
     hydrographs,
@@ -26,8 +25,9 @@ from debrisflow.results.stations import (
     profile_columns,
     profile_rows,
 )
-from debrisflow.series import Row, Table
-from debrisflow.state import PHASES
+from debrisflow.run.measures import particle_volume
+from debrisflow.run.tables import Row, Table
+from debrisflow.space.plan_grid import floor_length
 
 Floats = NDArray[np.float64]
 STATIONS = 7

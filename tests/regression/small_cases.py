@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case
-from debrisflow.output import HISTORY
-from debrisflow.simulation import simulate
+from debrisflow.run.folder import HISTORY
+from debrisflow.run.loop import simulate
 
 ROOT = Path(__file__).parents[2]
 CURVES = Path(__file__).parent / "curves"

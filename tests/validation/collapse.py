@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow.case import load_case, tables
-from debrisflow.measures import energies
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import State, initial_state
+from debrisflow.particles.state import State, initial_state
+from debrisflow.run.measures import energies
+from debrisflow.schemes.semi_implicit import SemiImplicit
 
 CASE = Path(__file__).parents[2] / "cases" / "column_collapse2d.toml"
 LAG_TIME, END = 0.75, 2.0

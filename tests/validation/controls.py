@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.particles import Particles
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import State
+from debrisflow.particles.record import Particles
+from debrisflow.particles.state import State
+from debrisflow.schemes.semi_implicit import SemiImplicit
 
 Floats = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
-from debrisflow.state import State
+from debrisflow.particles.state import State
 from tests.validation.marching import energy, states
 
 Floats = NDArray[np.float64]

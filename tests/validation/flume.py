@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
-from debrisflow.geometry import height_over_floor
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import State, initial_state
+from debrisflow.particles.state import State, initial_state
+from debrisflow.schemes.semi_implicit import SemiImplicit
+from debrisflow.space.floor import height_over_floor
 from tests.building import advance
 
 Floats = NDArray[np.float64]

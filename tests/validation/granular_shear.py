@@ -11,11 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow import granular
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import State, initial_state
+from debrisflow.particles.state import State, initial_state
+from debrisflow.physics.collision_stress import collision_force_at
+from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, radial_distribution
+from debrisflow.schemes.semi_implicit import SemiImplicit
 
 Floats = NDArray[np.float64]
 HEIGHT, GRAIN, RESTITUTION, ROCK = 0.1, 0.01, 0.7, 2650.0
@@ -123,7 +124,7 @@ def virial(scheme: SemiImplicit, state: State, chosen: NDArray[np.bool_]) -> tup
                 dz=stencil.dz[:, k : k + 1],
                 inverse=stencil.inverse[:, k : k + 1],
             )
-            force = granular.collision_force_at(
+            force = collision_force_at(
                 i, p.fluid_count, p.velocity, fraction, pressure, viscosity, scheme._walls, alone
             )
             found += 0.5 * np.outer(force[:2], (stencil.dx[i, k], stencil.dy[i, k]))
@@ -146,8 +147,8 @@ def discrete_elements() -> tuple[Floats, Floats, Floats]:
 
 def closure(rate: Floats, grain_over_gap: float) -> Floats:
     """Return T / U^2 of the balance of production and dissipation at a shear rate H / U."""
-    grains = granular.Grains(1.0, grain_over_gap, RESTITUTION, PACKING, CONCENTRATION)
-    return np.array([granular.algebraic_temperature(value, grains) for value in rate])
+    grains = Grains(1.0, grain_over_gap, RESTITUTION, PACKING, CONCENTRATION)
+    return np.array([algebraic_temperature(value, grains) for value in rate])
 
 
 def fitted_grain_over_gap() -> float:
@@ -176,7 +177,7 @@ def film(rows: int = 20, slope: float = 10.0, end: float = 4.0) -> Film:
     case = layer(rows, slope, 0.0, "algebraic")
     scheme, state = SemiImplicit(case), initial_state(case)
     p, (water, _) = state.particles, case.gravity.components
-    g0 = granular.radial_distribution(CONCENTRATION, PACKING)
+    g0 = radial_distribution(CONCENTRATION, PACKING)
     factor = 0.8 * CONCENTRATION**2 * GRAIN**2 * ROCK * g0 * (1.0 + RESTITUTION)
     factor /= np.sqrt(15.0 * np.pi * (1.0 - RESTITUTION))
     surface = 2.0 / 3.0 * HEIGHT**1.5 * np.sqrt(ROCK * water / factor)

@@ -15,7 +15,7 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
 from debrisflow.case import load_case, tables
-from debrisflow.lattice import reference
+from debrisflow.neighbors.lattice import reference
 from tests.validation.marching import energy, states
 
 Floats = NDArray[np.float64]

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow.case import load_case
-from debrisflow.particles import Kind
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import initial_state
+from debrisflow.particles.record import Kind
+from debrisflow.particles.state import initial_state
+from debrisflow.schemes.semi_implicit import SemiImplicit
 
 CASES = Path(__file__).parents[2] / "cases"
 GRAVITY = 9.81

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from debrisflow.case import tables
-from debrisflow.measures import elastic_energy, energies
-from debrisflow.simulation import SCHEMES
-from debrisflow.state import State, initial_state
+from debrisflow.particles.state import State, initial_state
+from debrisflow.run.loop import SCHEMES
+from debrisflow.run.measures import elastic_energy, energies
 
 
 def states(case: tables.Case, interval: float = 0.0) -> Iterator[State]:

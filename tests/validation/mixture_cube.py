@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow.case import load_case
-from debrisflow.lattice import reference
-from debrisflow.measures import FRONT_SHARE
+from debrisflow.neighbors.lattice import reference
+from debrisflow.run.measures import FRONT_SHARE
 from tests.validation.marching import energy, states
 
 CASE = Path(__file__).parents[2] / "cases" / "dam_break3d.toml"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.rheology import KARMAN
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import initial_state
+from debrisflow.particles.state import initial_state
+from debrisflow.physics.turbulence import KARMAN
+from debrisflow.schemes.semi_implicit import SemiImplicit
 from tests.building import advance, endless_channel
 
 SLOPE, GRAVITY = 15.0, 9.81

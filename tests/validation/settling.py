@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import State, initial_state
+from debrisflow.particles.state import State, initial_state
+from debrisflow.schemes.semi_implicit import SemiImplicit
 
 Floats = NDArray[np.float64]
 CASE = Path(__file__).parents[2] / "cases" / "settling2d.toml"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import initial_state
+from debrisflow.particles.state import initial_state
+from debrisflow.schemes.semi_implicit import SemiImplicit
 from tests.building import advance, endless_channel
 
 Floats = NDArray[np.float64]

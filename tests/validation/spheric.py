@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
-from debrisflow.probes import probe_measures
+from debrisflow.run.probes import probe_measures
 from tests.validation.marching import energy, states
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow.case import load_case
-from debrisflow.measures import gravity_vector
+from debrisflow.space.gravity import gravity_vector
 from tests.validation.marching import states
 
 CASE = Path(__file__).parents[2] / "cases" / "still_tank3d.toml"

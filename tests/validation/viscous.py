@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
-from debrisflow.schemes import SemiImplicit
-from debrisflow.state import initial_state
+from debrisflow.particles.state import initial_state
+from debrisflow.schemes.semi_implicit import SemiImplicit
 
 Floats = NDArray[np.float64]
 LENGTH, VISCOSITY = 1.0e-3, 1.0e-6

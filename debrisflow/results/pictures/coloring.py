@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import colormaps
 from numpy.typing import NDArray
 
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
 from debrisflow.results.frames import Frame
 
 Floats = NDArray[np.float64]

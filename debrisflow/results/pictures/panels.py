@@ -14,9 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from debrisflow.case import tables
-from debrisflow.geometry import floor_bend, floor_level, height_over_floor
-from debrisflow.grid import Grid, floor_length, plan, wrapped
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
 from debrisflow.results.deposition import deposition
 from debrisflow.results.frames import Frame
 from debrisflow.results.pictures.coloring import Scale
@@ -38,6 +36,8 @@ from debrisflow.results.pictures.views import (
     Tiles,
     Window,
 )
+from debrisflow.space.floor import floor_bend, floor_level, height_over_floor
+from debrisflow.space.plan_grid import Grid, floor_length, plan, wrapped
 
 Floats = NDArray[np.float64]
 Pixels = tuple[int, int]

@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 from PIL import Image
 from tqdm import tqdm
 
-from debrisflow.atomic import replaced
 from debrisflow.errors import OutputError
-from debrisflow.output import PICTURES
-from debrisflow.particles import Kind
+from debrisflow.particles.record import Kind
 from debrisflow.results.frames import Frame, read_frame
 from debrisflow.results.pictures.coloring import (
     KIND_COLORS,
@@ -36,7 +34,9 @@ from debrisflow.results.pictures.panels import (
 )
 from debrisflow.results.pictures.sheet import TEXT, Sheet, layout
 from debrisflow.results.pictures.views import Window
-from debrisflow.results.run import BAR, Run, open_run
+from debrisflow.results.reader import BAR, Run, open_run
+from debrisflow.run.atomic import replaced
+from debrisflow.run.folder import PICTURES
 
 PANELS = 6
 MOST_FRAMES = 100  # of an animation

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow import geometry
 from debrisflow.case import tables
 from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.regions import runout_rise, surface_of
 from debrisflow.case.shapes import Channel3D, ChannelShape, Tank3D, plain_edges
+from debrisflow.space.floor import floor_level
 
 Floats = NDArray[np.float64]
 BOX_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -99,7 +99,7 @@ def floor_profile(case: tables.Case) -> list[tuple[float, float]]:
     for start, end in zip([0.0, *breaks], [*breaks, shape.length], strict=True):
         # between breaks the floor is straight, and two points inside tell its ends
         inside = start + (end - start) * np.array([0.25, 0.75])
-        low, high = geometry.floor_level(case, inside)
+        low, high = floor_level(case, inside)
         slope = (high - low) / 2.0
         for place, level in ((start, low - slope), (end, high + slope)):
             point = (float(place), round(float(level), 12) + 0.0)

@@ -16,7 +16,7 @@ from debrisflow.results.plots.maps import map_height, mapped
 from debrisflow.results.plots.style import CYCLE, LINES, panels, save, styled
 from debrisflow.results.references import NORMALIZED
 from debrisflow.results.survey import Survey
-from debrisflow.series import rows_where
+from debrisflow.run.tables import rows_where
 
 
 def draw_comparison(

@@ -36,7 +36,7 @@ from debrisflow.results.references import (
     is_velocity,
 )
 from debrisflow.results.survey import Survey
-from debrisflow.series import Table, rows_where
+from debrisflow.run.tables import Table, rows_where
 
 Floats = NDArray[np.float64]
 PHASE_WORDS = {"liquid": "water", "sediment": "sediment", "mixture": "mixture", "all": "all"}

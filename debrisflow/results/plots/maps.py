@@ -9,20 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from debrisflow.grid import Grid
 from debrisflow.results.deposition import Deposition, greatest_across, smoothed
 from debrisflow.results.plots.curves import legend
-from debrisflow.results.plots.style import (
-    BLUE,
-    GRAY,
-    MATTER_COLORS,
-    ORANGE,
-    RED,
-    panels,
-    sequence,
-)
+from debrisflow.results.plots.style import BLUE, GRAY, MATTER_COLORS, ORANGE, RED, panels, sequence
 from debrisflow.results.references import Reference
 from debrisflow.results.survey import Survey
+from debrisflow.space.plan_grid import Grid
 
 Floats = NDArray[np.float64]
 LEVELS = 8

@@ -14,9 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from debrisflow import __version__
-from debrisflow.atomic import replaced
 from debrisflow.results.parameters import summary
-from debrisflow.results.run import Run
+from debrisflow.results.reader import Run
+from debrisflow.run.atomic import replaced
 
 WIDTH, LINE = 7.0, 0.12  # inch, of a page's text, and the height of a line of a caption
 DPI = 150

@@ -1,0 +1,1 @@
+"""What there is: the record of the particles, its start, supply and state."""

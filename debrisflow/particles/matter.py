@@ -1,0 +1,50 @@
+"""What a particle is made of: density and sediment fraction of liquid, sediment and mixture."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import tables
+from debrisflow.case.materials import bulk_density
+from debrisflow.particles.record import Kind, Particles
+
+
+def set_material(
+    particles: Particles, rows: slice | NDArray[np.int64], kind: Kind, case: tables.Case
+) -> None:
+    """Give rows the density and the sediment fraction of liquid, sediment or mixture."""
+    fraction = {
+        Kind.LIQUID: 0.0,
+        Kind.SEDIMENT: 1.0,
+        Kind.MIXTURE: case.mixture.concentration,
+    }[kind]
+    particles.kind[rows] = kind
+    set_fraction(particles, rows, fraction, case)
+
+
+def set_fraction(
+    particles: Particles, rows: slice | NDArray[np.int64], fraction: float, case: tables.Case
+) -> None:
+    """Give rows a sediment fraction and the density of that mixture with water."""
+    particles.sediment_fraction[rows] = fraction
+    particles.density[rows] = bulk_density(fraction, case.water, case.sediment, case.strength)
+
+
+def concentrations(case: tables.Case) -> set[float]:
+    """Return the sediment concentrations of what a case is filled with and supplied by."""
+    found = {case.mixture.concentration if f.material == "mixture" else 0.0 for f in case.fill}
+    inflow = case.inflow
+    if inflow is not None:
+        graph = inflow.hydrograph
+        if isinstance(graph, tables.Hydrograph):
+            found.update(graph.concentration)
+        else:
+            found.add(inflow.concentration)
+    return found
+
+
+def reference_density(case: tables.Case) -> float:
+    """Return rho0 of the equation of state, kg/m3: that of the heaviest matter of a case."""
+    water, sediment, strength = case.water, case.sediment, case.strength
+    return max(bulk_density(c, water, sediment, strength) for c in concentrations(case))

@@ -1,0 +1,137 @@
+"""The whole state of a run: what a checkpoint must carry so that the run goes on bit for bit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import tables
+from debrisflow.particles import hydrostatic_start
+from debrisflow.particles.maxima import Maxima, no_maxima
+from debrisflow.particles.record import Particles
+from debrisflow.particles.seeding import seed
+from debrisflow.particles.supply import supplied_sediment, whole_sediment
+from debrisflow.space.domain import wall_layers
+from debrisflow.space.plan_grid import plan
+
+Floats = NDArray[np.float64]
+PHASES = ("liquid", "sediment", "mixture")
+
+
+def _counts() -> NDArray[np.int64]:
+    return np.zeros(len(PHASES), dtype=np.int64)
+
+
+def _sums() -> Floats:
+    return np.zeros(len(PHASES))
+
+
+def _crossings(sections: int = 0) -> NDArray[np.int64]:
+    return np.zeros((sections, len(PHASES)), dtype=np.int64)
+
+
+def _crossed_sums(sections: int = 0) -> Floats:
+    return np.zeros((sections, len(PHASES)))
+
+
+def _impulses(walls: int = 0) -> Floats:
+    return np.zeros((walls, 3))
+
+
+@dataclass
+class State:
+    """Particles, maxima, clock and counters of a run.
+
+    Attributes
+    ----------
+    particles : Particles
+    maxima : Maxima
+        The greatest depth, speed and momentum flux since t = 0.
+    time : float
+        Simulated time, s; negative while the fills relax.
+    step : int
+        Steps taken since the start of the run.
+    dt : float
+        Length of the last step, s.
+    entered, left, through_wall : (3,) int64 array
+        Particles by phase that came in through the inflow, left through an open end or over a
+        rim, and were lost through a wall.
+    entered_sediment, left_sediment, through_wall_sediment : (3,) float64 array
+        The volume of sediment in these, in particles.
+    supply_columns : int
+        Columns of inflow particles seeded so far.
+    supply_sediment : float
+        Sediment particles that the supply still owes to its concentration.
+    next_id : int
+        The number that the next new particle gets.
+    crossed : (sections, 3) int64 array
+        Particles by phase that went through each section along x since t = 0, less those that
+        went back.
+    crossed_sediment : (sections, 3) float64 array
+        The volume of sediment in these, in particles.
+    impulse : (walls, 3) float64 array
+        Integral of the force on the wall of each force probe since t = 0, N s (2D: per meter).
+    """
+
+    particles: Particles
+    maxima: Maxima
+    time: float = 0.0
+    step: int = 0
+    dt: float = 0.0
+    entered: NDArray[np.int64] = field(default_factory=_counts)
+    left: NDArray[np.int64] = field(default_factory=_counts)
+    through_wall: NDArray[np.int64] = field(default_factory=_counts)
+    entered_sediment: Floats = field(default_factory=_sums)
+    left_sediment: Floats = field(default_factory=_sums)
+    through_wall_sediment: Floats = field(default_factory=_sums)
+    supply_columns: int = 0
+    supply_sediment: float = 0.0
+    next_id: int = 0
+    crossed: NDArray[np.int64] = field(default_factory=_crossings)
+    crossed_sediment: Floats = field(default_factory=_crossed_sums)
+    impulse: Floats = field(default_factory=_impulses)
+
+
+def count_phases(
+    kind: NDArray[np.integer],
+    fraction: Floats,
+    number: NDArray[np.int64],
+    sediment: Floats,
+    times: Floats | None = None,
+) -> None:
+    """Add particles of given kinds and sediment fractions to counters by phase, in place.
+
+    Parameters
+    ----------
+    kind : (n,) int array
+    fraction : (n,) float64 array
+    number : (3,) int64 array
+        Particles.
+    sediment : (3,) float64 array
+        The volume of sediment in them, in particles.
+    times : (n,) float64 array, optional
+        How often each counts; once if left out.
+    """
+    once = np.ones(kind.size) if times is None else times
+    number += np.rint(np.bincount(kind, once, number.size)).astype(np.int64)
+    sediment += np.bincount(kind, once * fraction, sediment.size)
+
+
+def initial_state(case: tables.Case) -> State:
+    """Return the state of a case at its start, before its fills relax."""
+    particles = seed(case)
+    if isinstance(case.scheme, tables.ExplicitScheme):
+        hydrostatic_start.compress(particles, case)
+        hydrostatic_start.jitter(particles, case)
+    maxima = no_maxima(plan(case).x.size)
+    state = State(particles, maxima, time=0.0 - case.time.relaxation, next_id=particles.count)
+    sections = sum(probe.type == "section" for probe in case.probe)
+    state.crossed, state.crossed_sediment = _crossings(sections), _crossed_sums(sections)
+    state.impulse = _impulses(sum(probe.type == "force" for probe in case.probe))
+    if case.inflow is not None:
+        state.supply_columns = wall_layers(case)
+        owed = supplied_sediment(case, state.supply_columns)
+        state.supply_sediment = owed - whole_sediment(case, owed)
+    return state

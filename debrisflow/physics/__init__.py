@@ -1,0 +1,1 @@
+"""What acts: closed forms and sums over the neighbors of one particle."""

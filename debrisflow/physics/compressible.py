@@ -1,0 +1,286 @@
+"""The weakly compressible fluid: density, equation of state and forces of each particle.
+
+Letters as in :mod:`debrisflow.neighbors.pairs`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import prange
+
+from debrisflow._jit import kernel, loop
+from debrisflow.neighbors.pairs import (
+    BLOCK,
+    contact,
+    density_of,
+    height_over,
+    inverse_distance,
+    separation,
+    smooth_weight,
+    wall_velocity_difference,
+    weight,
+)
+
+INTERIOR = 0.94  # n/n0 above which the density follows the summed one
+SURFACE = 0.85  # n/n0 below which a particle is at a free surface and carries no pressure
+LEAST_COMPRESSION, GREATEST_COMPRESSION = -0.02, 0.5
+
+
+@kernel
+def density_rate_at(i, fluid, solid, near, numbers):
+    """Return n / n0, the compression that the summed density tells, and ds/dt, 1/s.
+
+        ds/dt = -(1 + s) (Ds/n0) sum of u_ij . r_ij w / r^2
+                + delta c d0 (2 Ds/(lambda n0)) sum of [s_j - s_i - (rho_ij/rho0) g . r_ij / c^2] w
+
+    The first sum, continuity, is over fluid and walls; the second, over fluid, evens out noise
+    but not the hydrostatic part, which would make the fluid sink; rho_ij is the mean density of the
+    pair.
+
+    References
+    ----------
+    Antuono, Colagrossi, Marrone & Molteni 2010, doi:10.1016/j.cpc.2009.11.002 (diffusion of
+    density in SPH).
+    """
+    position, velocity, s = fluid.position, fluid.velocity, fluid.compression
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    stiff = 2.0 * numbers.density * numbers.sound_speed * numbers.sound_speed
+    gx, gy, gz = (
+        numbers.gravity[0] / stiff,
+        numbers.gravity[1] / stiff,
+        numbers.gravity[2] / stiff,
+    )
+    s_i, rho_i = s[i], density_of(i, fluid.density, numbers)
+    n, m, flow, difference = 0.0, 1.0, 0.0, 0.0
+    for k in range(near.fluid_count[i]):
+        j = np.uint32(near.fluid[i, k])
+        dx, dy, dz = separation(i, j, position, position, near.period)
+        inverse = inverse_distance(dx, dy, dz, numbers)
+        weighed = weight(inverse, numbers)
+        n += weighed
+        r2 = dx * dx + dy * dy + dz * dz
+        m += smooth_weight(weighed, r2, inverse, numbers)
+        along = (velocity[j, 0] - u) * dx + (velocity[j, 1] - v) * dy + (velocity[j, 2] - w) * dz
+        flow += along * weighed * inverse * inverse
+        heavy = density_of(j, fluid.density, numbers) + rho_i
+        difference += (s[j] - s_i - heavy * (gx * dx + gy * dy + gz * dz)) * weighed
+    for k in range(near.wall_count[i]):
+        j = np.uint32(near.wall[near.wall_row[i], k])
+        dx, dy, dz = separation(i, j, position, solid.position, near.period)
+        inverse = inverse_distance(dx, dy, dz, numbers)
+        weighed = weight(inverse, numbers)
+        n += weighed
+        r2 = dx * dx + dy * dy + dz * dz
+        m += smooth_weight(weighed, r2, inverse, numbers)
+        flow -= (u * dx + v * dy + w * dz) * weighed * inverse * inverse
+    spread = numbers.diffusion * numbers.sound_speed * numbers.spacing * numbers.laplacian
+    rate = -(1.0 + s_i) * numbers.gradient * flow + spread * difference
+    summed = (m / numbers.smooth_density - 1.0) / numbers.smooth_steepness
+    return n / numbers.number_density, summed, rate
+
+
+@kernel
+def new_compression(s, rate, n, summed, relaxation, dt):
+    """Return the compression after a time step.
+
+    In the interior, n > 0.94 n0, it follows the summed density within the relaxation time, so that
+    what continuity loses does not add up; at a free surface, n < 0.85 n0, it is 0.
+
+    Examples
+    --------
+    >>> [new_compression(0.0, 1.0, n, 0.02, 0.1, 0.01) for n in (1.0, 0.8)]
+    [0.012, 0.0]
+    """
+    if n < SURFACE:
+        return 0.0
+    if n > INTERIOR:
+        rate += (summed - s) / relaxation
+    return min(max(s + dt * rate, LEAST_COMPRESSION), GREATEST_COMPRESSION)
+
+
+@kernel
+def state_pressure(s, numbers):
+    """Return ``p = rho0 c^2 max(s, 0)``, the integral of equation (12), Pa.
+
+    All matter is as stiff, whatever its density, so that s is continuous where p is.
+    """
+    return numbers.density * numbers.sound_speed * numbers.sound_speed * max(s, 0.0)
+
+
+@kernel
+def _advance_density(first, last, dt, fluid, solid, near, numbers, n, compression, pressure):
+    for i in range(first, last):
+        ratio, summed, rate = density_rate_at(i, fluid, solid, near, numbers)
+        s = new_compression(fluid.compression[i], rate, ratio, summed, numbers.relaxation, dt)
+        n[i] = ratio * numbers.number_density
+        compression[i] = s
+        pressure[i] = state_pressure(s, numbers)
+
+
+@loop
+def advance_density(dt, fluid, solid, near, numbers, n, compression, pressure):
+    """Write n, the compression after a time step and its pressure, of every fluid particle."""
+    for block in prange((n.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n.size)
+        _advance_density(first, last, dt, fluid, solid, near, numbers, n, compression, pressure)
+
+
+@kernel
+def acceleration_at(i, fluid, solid, near, numbers):
+    """Return acceleration, m/s2, change of velocity by collisions, m/s, and contacts of particle i.
+
+    Contacts are the first-layer wall particles that it may touch.
+
+        -(1/rho0) (Ds/n0) sum of (P_i + P_j) r_ij w / r^2
+        + (2 Ds/(lambda n0)) sum of [alpha c d0 (u_ij . e) e + nu_ij u_ij] w + g
+
+    with P the pressure of fluid and grains and nu_ij the mean viscosity of the pair.  The sum form
+    of the pressure conserves momentum, and is never attractive since P >= 0; the study's form (14)
+    is not needed then.  A wall neighbor has the pressure of the fluid
+    ``max(p_i + rho_i (g - g_d) . r_ij, 0)``, g_d being what drives the flow along the wall, of
+    which the wall would bear a share; and that of the grains of i.  It exchanges momentum by
+    viscosity where it is no-slip; the artificial viscosity does not act on walls, where it would be
+    a drag that depends on the spacing.  Particles nearer than the collision distance that approach
+    exchange the impulse of a collision, from the same velocities for both.
+    """
+    position, velocity = fluid.position, fluid.velocity
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    rho, push, pull = density_of(i, fluid.density, numbers), numbers.gradient, numbers.laplacian
+    damping = 0.5 * pull * numbers.artificial_viscosity * numbers.sound_speed * numbers.spacing
+    near_by = 1.0 / numbers.collision_distance if numbers.collision_distance > 0.0 else np.inf
+    total_i, mu_i = fluid.total_pressure[i], fluid.viscosity[i]
+    grains_i = total_i - fluid.pressure[i]
+    ax, ay, az, cx, cy, cz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(near.fluid_count[i]):
+        j = np.uint32(near.fluid[i, k])
+        dx, dy, dz = separation(i, j, position, position, near.period)
+        inverse = inverse_distance(dx, dy, dz, numbers)
+        weighed = weight(inverse, numbers)
+        du, dv, dw = velocity[j, 0] - u, velocity[j, 1] - v, velocity[j, 2] - w
+        along = du * dx + dv * dy + dw * dz
+        p = total_i + fluid.total_pressure[j]
+        rho_j = density_of(j, fluid.density, numbers)
+        line = (damping * (rho + rho_j) * along - push * p) * weighed * inverse * inverse
+        drag = 0.5 * pull * (mu_i + fluid.viscosity[j]) * weighed
+        ax += line * dx + drag * du
+        ay += line * dy + drag * dv
+        az += line * dz + drag * dw
+        hit = min(along, 0.0) * inverse * inverse if inverse > near_by else 0.0
+        hit *= 2.0 * rho_j / (rho + rho_j)
+        cx += hit * dx
+        cy += hit * dy
+        cz += hit * dz
+    gx, gy, gz = numbers.gravity[0], numbers.gravity[1], numbers.gravity[2]
+    contacts = 0.0
+    for k in range(near.wall_count[i]):
+        j = np.uint32(near.wall[near.wall_row[i], k])
+        dx, dy, dz = separation(i, j, position, solid.position, near.period)
+        inverse = inverse_distance(dx, dy, dz, numbers)
+        weighed = weight(inverse, numbers)
+        hx, hy, hz = gx - solid.driving[j, 0], gy - solid.driving[j, 1], gz - solid.driving[j, 2]
+        p_wall = max(fluid.pressure[i] + rho * (hx * dx + hy * dy + hz * dz), 0.0)
+        p = total_i + p_wall + grains_i
+        line = -push * p * weighed * inverse * inverse
+        height = height_over(dx, dy, dz, j, solid)
+        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, numbers)
+        drag = pull * mu_i * weighed * (1.0 - solid.slip[j])
+        contacts += 1.0 if height < solid.contact_height[j] else 0.0
+        ax += line * dx + drag * du
+        ay += line * dy + drag * dv
+        az += line * dz + drag * dw
+    share = 0.5 * (1.0 + numbers.restitution)
+    ax, ay, az = ax / rho + gx, ay / rho + gy, az / rho + gz
+    return ax, ay, az, share * cx, share * cy, share * cz, contacts
+
+
+@kernel
+def bounce_at(i, u, v, w, fluid, solid, near, numbers):
+    """Return a velocity of particle i after it bounced off the walls that it touches.
+
+    A wall acts as the plane of its surface: a particle nearer to it than ``collision_distance -
+    d0/2`` that approaches bounces along the normal and slides freely.
+    """
+    reach = numbers.collision_distance - 0.5 * numbers.spacing
+    for k in range(near.wall_count[i]):
+        j = near.wall[near.wall_row[i], k]
+        if solid.contact_height[j] == -np.inf:
+            continue
+        dx, dy, dz = separation(i, j, fluid.position, solid.position, near.period)
+        height, nx, ny, nz = contact(dx, dy, dz, j, solid, numbers)
+        if height >= reach:
+            continue
+        approach = -(u * nx + v * ny + w * nz)
+        if approach > 0.0:
+            u += (1.0 + numbers.restitution) * approach * nx
+            v += (1.0 + numbers.restitution) * approach * ny
+            w += (1.0 + numbers.restitution) * approach * nz
+    return u, v, w
+
+
+@kernel
+def is_inside_wall_at(i, position, solid, near, numbers):
+    """Return whether particle i is where a wall particle of the second layer or deeper stands."""
+    for k in range(near.wall_count[i]):
+        j = near.wall[near.wall_row[i], k]
+        if solid.depth[j] > numbers.spacing:
+            dx, dy, dz = separation(i, j, position, solid.position, near.period)
+            if max(abs(dx), abs(dy), abs(dz)) < 0.5 * numbers.spacing:
+                return True
+    return False
+
+
+@loop
+def find_inside_walls(position, solid, near, numbers, inside):
+    """Write which fluid particles went into a wall, (n,) bool array."""
+    for i in prange(inside.size):
+        inside[i] = is_inside_wall_at(i, position, solid, near, numbers)
+
+
+@kernel
+def _advance_velocity(first, last, dt, fluid, solid, near, numbers, velocity):
+    for i in range(first, last):
+        ax, ay, az, cx, cy, cz, contacts = acceleration_at(i, fluid, solid, near, numbers)
+        u = fluid.velocity[i, 0] + dt * ax + cx
+        v = fluid.velocity[i, 1] + dt * ay + cy
+        w = fluid.velocity[i, 2] + dt * az + cz
+        if contacts > 0.0:
+            u, v, w = bounce_at(i, u, v, w, fluid, solid, near, numbers)
+        velocity[i, 0] = u
+        velocity[i, 1] = v
+        velocity[i, 2] = w
+
+
+@loop
+def advance_velocity(dt, fluid, solid, near, numbers, velocity):
+    """Write the velocity of every fluid particle after a time step, (n, 3) float64 array, m/s."""
+    for block in prange((velocity.shape[0] + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, velocity.shape[0])
+        _advance_velocity(first, last, dt, fluid, solid, near, numbers, velocity)
+
+
+@loop
+def move(dt, velocity, position):
+    """Move every particle by its velocity."""
+    for i in prange(velocity.shape[0]):
+        for k in range(3):
+            position[i, k] += dt * velocity[i, k]
+
+
+@loop
+def survey_motion(position, velocity, lower, upper, mouth, fastest, outside):
+    """Write, of each block of particles, the greatest squared speed and how many are outside.
+
+    Outside the box from ``lower`` to ``upper``, or beside a flume before its mouth, (x, y0, y1); a
+    velocity that is not finite is infinitely fast.
+    """
+    n = velocity.shape[0]
+    for block in prange(fastest.size):
+        most, left = 0.0, 0
+        for i in range(block * n // fastest.size, (block + 1) * n // fastest.size):
+            square = velocity[i, 0] ** 2 + velocity[i, 1] ** 2 + velocity[i, 2] ** 2
+            most = max(most, square if square < np.inf else np.inf)
+            for k in range(3):
+                left += position[i, k] < lower[k] or position[i, k] > upper[k]
+            left += position[i, 0] < mouth[0] and not (mouth[1] <= position[i, 1] <= mouth[2])
+        fastest[block] = most
+        outside[block] = left

@@ -1,0 +1,168 @@
+"""The folder of a finished or running run, opened to be read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import load_case, tables
+from debrisflow.errors import OutputError
+from debrisflow.results.frames import Frame, read_frame
+from debrisflow.run.folder import CASE, DEPOSIT, FRAMES, HISTORY, LOG, MAXIMA, PROBES, SUMMARY
+from debrisflow.run.history import COLUMNS as HISTORY_COLUMNS
+from debrisflow.run.maxima import COLUMNS as MAXIMA_COLUMNS
+from debrisflow.run.tables import Table, read_table, rows_where
+from debrisflow.run.vtu import read_collection
+from debrisflow.space.plan_grid import plan
+
+Floats = NDArray[np.float64]
+# of a progress bar over frames
+BAR = "{desc} {percentage:3.0f}% |{bar:20}| {n_fmt} of {total_fmt}, {remaining} left"
+
+
+class Run:
+    """The results of one run; tables and frames are read when they are asked for.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Attributes
+    ----------
+    folder : Path
+    case : Case
+        With every default resolved.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        if not (folder / CASE).is_file():
+            raise OutputError(f"{folder} is no run folder: it holds no {CASE}")
+        self.folder = folder
+        self.case: tables.Case = load_case(folder / CASE)
+
+    @property
+    def name(self) -> str:
+        """Return the name of the folder."""
+        return self.folder.resolve().name
+
+    @cached_property
+    def files(self) -> list[tuple[float, Path]]:
+        """Return times, s, and files of the frames, those that were whole when this was read.
+
+        Raises
+        ------
+        OutputError
+            If there are none yet.
+        """
+        collection = self.folder / FRAMES
+        listed = read_collection(collection) if collection.is_file() else []
+        if not listed:
+            raise OutputError(
+                f"{self.folder} holds no frames yet: {FRAMES} is missing or lists none"
+            )
+        return listed
+
+    @property
+    def times(self) -> Floats:
+        """Return the times of the frames, (n,) array, s."""
+        return np.array([time for time, _ in self.files])
+
+    def frame(self, time: float = np.inf) -> Frame:
+        """Return the frame that is nearest to a time, s; the last one by default."""
+        times = self.times
+        nearest = len(times) - 1 if np.isinf(time) else int(np.argmin(np.abs(times - time)))
+        return read_frame(*self.files[nearest])
+
+    def nearest(self, times: Iterable[float]) -> list[int]:
+        """Return the numbers of the frames nearest to some times, s, without repetition.
+
+        Raises
+        ------
+        OutputError
+            If a time is before the first frame or past the last one by more than half an interval.
+        """
+        known = self.times
+        slack = 0.5 * float(np.diff(known).max(initial=0.0)) + 1e-9
+        for time in times:
+            if not known[0] - slack <= time <= known[-1] + slack:
+                raise OutputError(
+                    f"there is no frame at t = {time:g} s: {self.folder} has {known.size} frames "
+                    f"from {known[0]:g} to {known[-1]:g} s"
+                )
+        return sorted({int(np.argmin(np.abs(known - time))) for time in times})
+
+    def frames(self) -> Iterator[Frame]:
+        """Yield all frames in the order of time."""
+        for time, file in self.files:
+            yield read_frame(time, file)
+
+    @cached_property
+    def history(self) -> Table:
+        """Return ``history.csv``: a float64 array by column name, rows from t = 0 on."""
+        table = read_table(self.folder / HISTORY, needed=HISTORY_COLUMNS)
+        return rows_where(table, table["time"] >= 0.0)
+
+    @cached_property
+    def deposit(self) -> Table:
+        """Return ``deposit.csv``: a float64 array by column name."""
+        return read_table(self.folder / DEPOSIT)
+
+    @cached_property
+    def maxima(self) -> Table:
+        """Return ``maxima.csv``: a float64 array by column name, a row a cell."""
+        file = self.folder / MAXIMA
+        table = read_table(file, needed=MAXIMA_COLUMNS)
+        cells = plan(self.case).x.size
+        if table["x"].size != cells:
+            raise OutputError(
+                f"{file} is damaged: it has {table['x'].size} rows for {cells} cells of the plan"
+            )
+        return table
+
+    def probe(self, name: str) -> Table:
+        """Return the samples of a probe: a float64 array by column name."""
+        return read_table(self.folder / PROBES / f"{name}.csv")
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """Return what the run said of itself at its end; empty while it is running."""
+        file = self.folder / SUMMARY
+        if not file.is_file():
+            return {}
+        try:
+            summary: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise OutputError(f"{file} is damaged: {error}") from error
+        return summary
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """Return the messages of the warnings and errors in the log."""
+        file = self.folder / LOG
+        lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
+        levels = (" WARNING ", " ERROR ")
+        return [line.split(level, 1)[1] for line in lines for level in levels if level in line]
+
+
+def open_run(folder: Path | str) -> Run:
+    """Return the results of a run folder.
+
+    Parameters
+    ----------
+    folder : Path or str
+        Of a finished run, or of one that is running.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds no run.
+    CaseError
+        If its case cannot be read.
+    """
+    return Run(Path(folder))

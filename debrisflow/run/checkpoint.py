@@ -1,0 +1,78 @@
+"""Checkpoints: the whole state of a run in one HDF5 file, from which it goes on bit for bit."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from debrisflow.errors import OutputError
+from debrisflow.particles.maxima import Maxima
+from debrisflow.particles.record import Particles
+from debrisflow.particles.state import State
+from debrisflow.run.atomic import replaced
+
+# the records in a state, by the names of its fields
+PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima}
+
+
+def save(path: Path, state: State) -> None:
+    """Write a state; the checkpoint that was there is replaced once the new one is whole.
+
+    Arrays become data sets and scalars attributes, under the names of the records' fields.
+    VTK reads the file, which asks for the older HDF5 format and gzip.
+
+    Parameters
+    ----------
+    path : Path
+    state : State
+    """
+    with (
+        replaced(path) as unfinished,
+        h5py.File(unfinished, "w", libver=("earliest", "v110")) as file,
+    ):
+        _put(file, state)
+
+
+def load(path: Path) -> State:
+    """Return the state that a checkpoint holds.
+
+    Raises
+    ------
+    OutputError
+        If the file is missing, damaged, or holds other fields than a state has now.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            parts = {name: part(**_taken(file[name], part)) for name, part in PARTS.items()}
+            return State(**parts, **_taken(file, State))
+    except FileNotFoundError as error:
+        raise OutputError(f"there is no checkpoint {path}") from error
+    except (OSError, KeyError, TypeError) as error:
+        raise OutputError(
+            f"{path} is damaged or was written by another version: {error}"
+        ) from error
+
+
+def _put(group: h5py.Group, record: State | Particles | Maxima) -> None:
+    for field in fields(record):
+        value = getattr(record, field.name)
+        if field.name in PARTS:
+            _put(group.create_group(field.name), value)
+        elif isinstance(value, np.ndarray):
+            group.create_dataset(field.name, data=value, compression="gzip")
+        else:
+            group.attrs[field.name] = value
+
+
+def _taken(group: h5py.Group, record: type[Any]) -> dict[str, Any]:
+    """Return the arrays and scalars of a group; none may be missing, or a default would slip in."""
+    arrays = {name: item[()] for name, item in group.items() if isinstance(item, h5py.Dataset)}
+    found = arrays | {name: value.item() for name, value in group.attrs.items()}
+    missing = {field.name for field in fields(record)} - found.keys() - PARTS.keys()
+    if missing:
+        raise KeyError(", ".join(sorted(missing)))
+    return found

@@ -1,0 +1,244 @@
+"""The folder of a run: its files, and what is written into them."""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from debrisflow.case import dump_case, tables
+from debrisflow.errors import OutputError
+from debrisflow.particles.state import State
+from debrisflow.run.atomic import UNFINISHED, replaced
+from debrisflow.run.deposit import DepositWriter
+from debrisflow.run.history import HistoryWriter
+from debrisflow.run.maxima import write_maxima
+from debrisflow.run.measures import DepositProfile
+from debrisflow.run.probes import ProbeWriter, is_probe_file
+from debrisflow.run.vtu import FOLDER, Collection, write_walls
+
+CASE = "case.toml"
+FRAMES = "particles.pvd"
+WALLS = "walls.vtu"
+DEPOSIT = "deposit.csv"
+HISTORY = "history.csv"
+MAXIMA = "maxima.csv"
+SUMMARY = "summary.json"
+LOG = "run.log"
+CHECKPOINT = "checkpoint.h5"
+PROBES = "probes"
+POSTPROCESS = "postprocess"
+PICTURES = "render"
+RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
+DERIVED = (
+    "answers.csv",
+    "budget.csv",
+    "deposit_profile.csv",
+    "distances.csv",
+    "front.csv",
+    "hydrographs.csv",
+    "mean_profiles.csv",
+    "momentum.csv",
+    "profiles.csv",
+    "budget.png",
+    "deposit.png",
+    "front.png",
+    "hydrographs.png",
+    "maxima.png",
+    "normalized_profiles.png",
+    "profiles.png",
+    "report.html",
+)
+
+
+class RunFolder:
+    """The folder that holds the case, the results and the checkpoint of one run.
+
+    While it is open, what the package logs goes into its ``run.log``.
+
+    Parameters
+    ----------
+    path : Path
+        An existing folder; see :meth:`create` and :meth:`open`.
+    case : Case
+
+    Attributes
+    ----------
+    path, checkpoint_path : Path
+    case : Case
+    log : logging.Logger
+        Logger of the package.
+    """
+
+    def __init__(self, path: Path, case: tables.Case) -> None:
+        self.path, self.case = path, case
+        self.checkpoint_path = path / CHECKPOINT
+        self._frames = Collection(path / FRAMES)
+        self._deposit = DepositWriter(path / DEPOSIT, case.dimension)
+        self._history = HistoryWriter(path / HISTORY, case.dimension)
+        if case.probe:
+            (path / PROBES).mkdir(exist_ok=True)
+        self._probes = {
+            probe.name: ProbeWriter(path / PROBES / f"{probe.name}.csv", probe, case.dimension)
+            for probe in case.probe
+        }
+        self.log = logging.getLogger("debrisflow")
+        self.log.setLevel(logging.INFO)
+        self._handler = logging.FileHandler(path / LOG, encoding="utf-8")
+        self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+        self.log.addHandler(self._handler)
+
+    @classmethod
+    def create(cls, path: Path, case: tables.Case, overwrite: bool = False) -> Self:
+        """Return a fresh folder for a case, written into it with every default.
+
+        Parameters
+        ----------
+        path : Path
+            Made if it is not there; may hold other files, which are left alone.
+        case : Case
+        overwrite : bool
+            Remove the results that the folder holds; otherwise it is refused.
+
+        Raises
+        ------
+        OutputError
+            If the folder holds results, or cannot be written.
+        """
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            _clear(path, overwrite)
+            with replaced(path / CASE) as unfinished:
+                unfinished.write_text(dump_case(case), encoding="utf-8")
+            return cls(path, case)
+        except OSError as error:
+            raise OutputError(f"cannot write into {path}: {error.strerror}") from error
+
+    @classmethod
+    def open(cls, path: Path, case: tables.Case) -> Self:
+        """Return the folder of an earlier run of a case, to be continued.
+
+        Raises
+        ------
+        OutputError
+            If it holds no case or cannot be written.
+        """
+        if not (path / CASE).is_file():
+            raise OutputError(f"{path} is no run folder: it holds no {CASE}")
+        try:
+            return cls(path, case)
+        except OSError as error:
+            raise OutputError(f"cannot write into {path}: {error.strerror}") from error
+
+    def write_frame(self, state: State) -> None:
+        """Write the particles as the next frame, and the maxima until then.
+
+        In three dimensions most particles are walls, which do not move: they stand once in a file
+        of their own, and the frames hold the fluid and the waiting supply.
+        """
+        p = state.particles
+        if self.case.dimension == 3:
+            if not (self.path / WALLS).exists():
+                write_walls(self.path / WALLS, p)
+            self._frames.append(state.time, p, slice(0, p.inflow.stop))
+        else:
+            self._frames.append(state.time, p)
+        self.write_maxima(state)
+
+    def write_maxima(self, state: State) -> None:
+        """Write the maxima of the run until now."""
+        write_maxima(self.path / MAXIMA, self.case, state.time, state.maxima)
+
+    def write_deposit(self, time: float, profile: DepositProfile) -> None:
+        """Append a deposit profile at a time, s."""
+        self._deposit.write(time, profile)
+
+    def write_history(self, row: Mapping[str, float | int]) -> None:
+        """Append a row of :func:`debrisflow.run.history.history_row`."""
+        self._history.write(row)
+
+    def write_probe(self, name: str, time: float, sample: Sequence[float]) -> None:
+        """Append the sample of a probe at a time, s."""
+        self._probes[name].write(time, sample)
+
+    def write_summary(self, summary: Mapping[str, Any]) -> None:
+        """Write what a finished run says of itself."""
+        with replaced(self.path / SUMMARY) as unfinished:
+            unfinished.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+
+    def rewind(self, time: float) -> None:
+        """Drop what was written later than a time, s, and what told of an earlier end."""
+        self._frames.drop_after(time)
+        self._deposit.truncate_after(time)
+        self._history.truncate_after(time)
+        for probe in self._probes.values():
+            probe.truncate_after(time)
+        for name in (MAXIMA, SUMMARY):
+            (self.path / name).unlink(missing_ok=True)
+
+    def detach_log(self) -> None:
+        """Let the package log no longer into this folder."""
+        self.log.removeHandler(self._handler)
+        self._handler.close()
+
+    def close(self) -> None:
+        """Close all files."""
+        self._deposit.close()
+        self._history.close()
+        for probe in self._probes.values():
+            probe.close()
+        self.detach_log()
+
+    def __enter__(self) -> Self:
+        """Return the folder itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close all files."""
+        self.close()
+
+
+def _results(path: Path) -> Iterator[Path]:
+    """Yield the files of ours that a folder holds, those of a broken-off write among them."""
+    tables_and_logs = [path / name for name in RESULTS]
+    probes = [file for file in path.glob(f"{PROBES}/*.csv") if is_probe_file(file)]
+    derived = [path / POSTPROCESS / name for name in DERIVED]
+    for file in (*tables_and_logs, *probes, *derived):
+        for written in (file, file.with_name(file.name + UNFINISHED)):
+            if written.is_file():
+                yield written
+    for folder, name in (
+        (FOLDER, r"\d{6,}\.vtu"),
+        (PICTURES, r"(side|plan|perspective)_\w+\.(png|gif)"),
+    ):
+        ours = re.compile(f"{name}({re.escape(UNFINISHED)})?")
+        yield from (file for file in path.glob(f"{folder}/*") if ours.fullmatch(file.name))
+
+
+def _clear(path: Path, overwrite: bool) -> None:
+    results = list(_results(path))
+    if [file.name for file in results] == [CASE]:
+        # no run leaves a case alone: it is somebody's own, with comments that ours would not have
+        raise OutputError(
+            f"{path} holds a {CASE} that no run wrote, and results would replace it; "
+            "choose another folder"
+        )
+    if results and not overwrite:
+        raise OutputError(
+            f"{path} holds results ({results[0].name}); "
+            "choose another folder, or replace them with --overwrite"
+        )
+    for file in results:
+        file.unlink()
+    for folder in (path / name for name in (FOLDER, PROBES, POSTPROCESS, PICTURES)):
+        if folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()

@@ -1,0 +1,168 @@
+"""What a case will run, told before it runs: particles, lattice, time step, memory and disk."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from debrisflow.case import Case
+from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
+from debrisflow.case.estimate import particle_estimate, size
+from debrisflow.case.speeds import fall_speed, given_speed
+from debrisflow.case.tables import EXPLICIT_RADIUS, ExplicitScheme
+from debrisflow.neighbors.lattice import Reference, reference
+from debrisflow.particles.record import Kind
+from debrisflow.particles.seeding import seed
+
+# One fluid particle in a compressed particle file.  Walls take less: with random fields and three
+# particles in five fluid, 37 were measured.
+BYTES_ON_DISK = 60
+
+
+@dataclass(frozen=True)
+class Sound:
+    """How nearly incompressible a weakly compressible flow is.
+
+    Attributes
+    ----------
+    speed : float, m/s
+        Numerical speed of sound c.
+    ratio : float
+        c over the largest speed.
+    compression : float
+        rho g H / (rho c^2) of a column as high as fills and supply.
+    """
+
+    speed: float
+    ratio: float
+    compression: float
+
+    def __str__(self) -> str:
+        """Return the figures as a line for people, with a warning where they are poor."""
+        told = (
+            f"{self.ratio:.3g}: the speed of sound is {self.speed:.3g} m/s, "
+            f"the compression at rest {100 * self.compression:.2g} %"
+        )
+        if self.ratio < LEAST_SOUND_RATIO * (1 - 1e-9):
+            enough = self.speed * LEAST_SOUND_RATIO / self.ratio
+            told += (
+                f"\nwarning        c/u = {self.ratio:.3g}: below {LEAST_SOUND_RATIO:g}, "
+                f"the flow is compressible; scheme.sound_speed = {enough:.3g} m/s would do"
+            )
+        return told
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Figures of a run before it starts.
+
+    Attributes
+    ----------
+    counts : dict of str to int
+        Particles by kind, those that are there.
+    lattice : Reference
+        Lattice constants of the influence radius.
+    first_step, smallest_step : float, s
+        Time step at the start, and at the largest speed.
+    largest_speed : float, m/s
+        Of a free fall through the height of fills and supply, on top of the speeds given.
+    steps : int
+        Steps to the end, at the smallest step.
+    memory, disk : float, bytes
+    frames : int
+        Particle files.
+    sound : Sound or None
+        None in the incompressible scheme.
+    """
+
+    counts: dict[str, int]
+    lattice: Reference
+    first_step: float
+    smallest_step: float
+    largest_speed: float
+    steps: int
+    memory: float
+    disk: float
+    frames: int
+    sound: Sound | None
+
+    def __str__(self) -> str:
+        """Return the figures as a few lines for people."""
+        kinds = ", ".join(f"{count:,} {kind}" for kind, count in self.counts.items())
+        lattice = self.lattice
+        sound = self.sound or "none: the semi-implicit scheme is incompressible"
+        radius = lattice.effective_radius / lattice.spacing
+        warning = ""
+        if self.sound and abs(radius - EXPLICIT_RADIUS) > 1e-6:
+            warning = (
+                f"\nwarning        effective_radius = {radius:g}: water at rest keeps its height "
+                f"at {EXPLICIT_RADIUS:g} only"
+            )
+        return "\n".join(
+            [
+                f"particles      {sum(self.counts.values()):,}: {kinds}",
+                f"lattice        n0 = {lattice.number_density:.4f}, "
+                f"lambda = {lattice.laplacian_lambda:.4g} m2, {lattice.neighbors} neighbors"
+                + warning,
+                f"first step     {self.first_step:.3g} s",
+                f"largest speed  {self.largest_speed:.3g} m/s by free fall, "
+                f"there the step is {self.smallest_step:.3g} s",
+                f"c/u            {sound}",
+                f"steps          about {self.steps:,} at that step",
+                f"memory         {size(self.memory)}",
+                f"disk           {size(self.disk)} in {self.frames:,} particle files",
+            ]
+        )
+
+
+def forecast(case: Case) -> Forecast:
+    """Return the figures of a checked case.
+
+    The number of steps is an upper estimate, since friction and walls keep the flow below the
+    speed of a free fall.
+    """
+    given = given_speed(case.fill, case.inflow, case.geometry, case.walls)
+    space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
+    speed = given + fall_speed(*space, to_floor=True)
+    smallest = _step(case, speed)
+    counts = _counts(case)
+    frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
+    return Forecast(
+        counts=counts,
+        lattice=reference(case.dimension, case.particles.effective_radius, case.particles.spacing),
+        first_step=_step(case, given),
+        smallest_step=smallest,
+        largest_speed=speed,
+        steps=ceil((case.time.end + case.time.relaxation) / smallest),
+        memory=particle_estimate(case)["memory"],
+        disk=float(frames * sum(counts.values()) * BYTES_ON_DISK),
+        frames=frames,
+        sound=_sound(case, speed, fall_speed(*space)),
+    )
+
+
+def _sound(case: Case, speed: float, fall: float) -> Sound | None:
+    """Return the figures of the speed of sound; a fall from H ends at the speed sqrt(2 g H)."""
+    if not isinstance(case.scheme, ExplicitScheme):
+        return None
+    c = case.scheme.sound_speed
+    assert c is not None
+    return Sound(c, c / speed if speed > 0 else float("inf"), fall**2 / (2.0 * c**2))
+
+
+def _counts(case: Case) -> dict[str, int]:
+    """Return the numbers of the particles that are seeded, by kind."""
+    numbers = np.bincount(seed(case).kind, minlength=len(Kind))
+    names = {kind: kind.name.lower() for kind in Kind} | {Kind.DUMMY: "dummy wall"}
+    return {names[kind]: int(numbers[kind]) for kind in Kind if numbers[kind]}
+
+
+def _step(case: Case, speed: float) -> float:
+    """Return the time step that the case allows at a speed, s."""
+    assert case.time.largest_step is not None
+    scheme = case.scheme
+    share = LARGEST_PATH if isinstance(scheme, ExplicitScheme) else scheme.courant
+    path = share * case.particles.spacing
+    return min(case.time.largest_step, path / speed if speed > 0 else float("inf"))

@@ -1,0 +1,137 @@
+"""Tables in time as CSV files: comments, one line of column names, rows; written and read."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.errors import OutputError
+from debrisflow.run.atomic import replaced
+
+Row = Sequence[float | int | str]
+Table = dict[str, NDArray[np.float64]]
+
+
+def write_table(
+    path: Path, columns: Sequence[str], head: Sequence[str], rows: Iterable[Row]
+) -> None:
+    """Write a whole table: its head as comments, the names of its columns, its rows.
+
+    The first column, the time, stands with every digit, so that it can be compared; the others
+    have nine digits.
+    """
+    with replaced(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
+        file.writelines(f"# {line}\n" for line in head)
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(_printed(row) for row in rows)
+
+
+def rows_where(table: Table, chosen: NDArray[np.bool_]) -> Table:
+    """Return some rows of a table."""
+    return {name: values[chosen] for name, values in table.items()}
+
+
+def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Table:
+    """Return the columns of a table of numbers, (rows,) float64 arrays by their names.
+
+    Parameters
+    ----------
+    path : Path
+    grows : bool
+        A last line without its end is one that is being written, and is left out.
+    needed : iterable of str
+        Names of columns that must be there.
+
+    Raises
+    ------
+    OutputError
+        If the file is missing, lacks a column, or its rows are not numbers or not as long as its
+        head.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        told = "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}"
+        raise OutputError(f"{path} {told}") from error
+    whole = text[: text.rfind("\n") + 1 if grows else None].splitlines()
+    lines = [line for line in whole if line and not line.startswith("#")]
+    if not lines:
+        raise OutputError(f"{path} is damaged: it names no columns")
+    names = [name.strip() for name in lines[0].split(",")]
+    if missing := [name for name in needed if name not in names]:
+        raise OutputError(f"{path} has no column {missing[0]}, but {', '.join(names)}")
+    if not lines[1:]:
+        return {name: np.empty(0) for name in names}
+    try:
+        rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
+        return dict(zip(names, rows.T.copy(), strict=True))
+    except ValueError as error:
+        wanted = "rows are numbers, as many as there are names, with commas between them"
+        raise OutputError(f"{path} is damaged: {str(error).rstrip('.')}; {wanted}") from error
+
+
+class Series:
+    """A table that grows while a run goes on, and continues after it was interrupted.
+
+    Parameters
+    ----------
+    path : Path
+        A file that is there already is continued.
+    columns : sequence of str
+        Names of the columns; the first is the time.
+    head : sequence of str
+        Lines that say what the columns mean, written as comments.
+    """
+
+    def __init__(self, path: Path, columns: Sequence[str], head: Sequence[str]) -> None:
+        self.path = path
+        self.columns = tuple(columns)
+        self.head = tuple(head)
+        if not path.exists():
+            write_table(path, columns, head, [])
+        self._open()
+
+    def append(self, rows: Iterable[Row]) -> None:
+        """Write rows; they are on disk when this returns."""
+        try:
+            self._writer.writerows(_printed(row) for row in rows)
+            self._file.flush()
+        except OSError as error:
+            raise OutputError(f"cannot write {self.path}: {error.strerror}") from error
+
+    def truncate_after(self, time: float) -> None:
+        """Drop the rows later than a time, s, and a row that was left half written.
+
+        Raises
+        ------
+        OutputError
+            If the file has other columns.
+        """
+        self.close()
+        with self.path.open(newline="", encoding="utf-8") as file:
+            lines = [line for line in csv.reader(file) if line and not line[0].startswith("#")]
+        if not lines or tuple(lines[0]) != self.columns:
+            raise OutputError(f"{self.path} has other columns than {', '.join(self.columns)}")
+        whole = [line for line in lines[1:] if len(line) == len(self.columns)]
+        kept = [line for line in whole if float(line[0]) <= time]
+        write_table(self.path, self.columns, self.head, kept)
+        self._open()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _open(self) -> None:
+        self._file = self.path.open("a", newline="", encoding="utf-8")
+        self._writer = csv.writer(self._file, lineterminator="\n")
+
+
+def _printed(row: Row) -> list[str]:
+    first, *others = row
+    time = first if isinstance(first, str) else repr(float(first))
+    return [time, *(f"{v:.9g}" if isinstance(v, float) else str(v) for v in others)]

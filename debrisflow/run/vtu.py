@@ -1,0 +1,130 @@
+"""Particle files that ParaView and pyvista open: one VTU a frame, and the PVD that dates them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.errors import OutputError
+from debrisflow.particles.record import Particles
+from debrisflow.run.atomic import replaced
+
+Floats = NDArray[np.float64]
+FOLDER = "vtu"
+REALS = (
+    "velocity",
+    "pressure",
+    "density",
+    "number_density",
+    "concentration",
+    "granular_temperature",
+)
+
+
+def write_particles(path: Path, particles: Particles, rows: slice = slice(None)) -> None:
+    """Write particles as vertex cells of a binary VTU compressed by zlib.
+
+    Positions are float64, since terrain may lie far from its origin, and so is the sediment
+    fraction, which adds up to the volume of the sediment; the other reals are float32, which is
+    finer than the solver's tolerance.  ``on_free_surface`` is 0 or 1.
+
+    Parameters
+    ----------
+    path : Path
+    particles : Particles
+    rows : slice, optional
+        Which particles; all by default.
+    """
+    data = {name: getattr(particles, name)[rows].astype(np.float32) for name in REALS}
+    data["sediment_fraction"] = particles.sediment_fraction[rows]
+    data["kind"] = particles.kind[rows]
+    data["on_free_surface"] = particles.on_free_surface[rows].astype(np.uint8)
+    data["id"] = particles.id[rows]
+    _write_points(path, particles.position[rows], data)
+
+
+def write_walls(path: Path, particles: Particles) -> None:
+    """Write the wall and dummy particles, which do not move, as :func:`write_particles` does.
+
+    ``wall`` is the place of the wall's name in :func:`debrisflow.space.domain.wall_names`.
+
+    Parameters
+    ----------
+    path : Path
+    particles : Particles
+    """
+    solid = slice(particles.inflow.stop, None)
+    data = {name: getattr(particles, name)[solid] for name in ("kind", "id", "wall")}
+    data["wall_normal"] = particles.wall_normal[solid].astype(np.float32)
+    _write_points(path, particles.position[solid], data)
+
+
+def _write_points(path: Path, position: Floats, data: dict[str, Any]) -> None:
+    vertices = np.arange(len(position))[:, None]
+    mesh = meshio.Mesh(position, [("vertex", vertices)], point_data=data)
+    with replaced(path) as unfinished:
+        meshio.vtu.write(unfinished, mesh, binary=True, compression="zlib")
+
+
+def read_collection(path: Path) -> list[tuple[float, Path]]:
+    """Return times, s, and files of the frames that a PVD lists, in its order.
+
+    Raises
+    ------
+    OutputError
+        If the file is damaged.
+    """
+    try:
+        sets = ElementTree.parse(path).iter("DataSet")
+        return [(float(s.attrib["timestep"]), path.parent / s.attrib["file"]) for s in sets]
+    except (ElementTree.ParseError, KeyError, ValueError) as error:
+        raise OutputError(f"{path} is damaged: {error}") from error
+
+
+class Collection:
+    """The frames of a run: ``vtu/NNNNNN.vtu`` and the PVD beside that folder.
+
+    The PVD lists a frame only once its file is whole, so that a running run can be opened.
+
+    Parameters
+    ----------
+    path : Path
+        The PVD; one that is there already is continued.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.frames = read_collection(path) if path.exists() else []
+        self._write()
+
+    def append(self, time: float, particles: Particles, rows: slice = slice(None)) -> None:
+        """Write a frame at a time, s; of some rows only, if they are given."""
+        file = self.path.parent / FOLDER / f"{len(self.frames):06d}.vtu"
+        write_particles(file, particles, rows)
+        self.frames.append((time, file))
+        self._write()
+
+    def drop_after(self, time: float) -> None:
+        """Remove the frames later than a time, s."""
+        dropped = [file for at, file in self.frames if at > time]
+        self.frames = [frame for frame in self.frames if frame[0] <= time]
+        self._write()
+        for file in dropped:
+            file.unlink(missing_ok=True)
+
+    def _write(self) -> None:
+        root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+        collection = ElementTree.SubElement(root, "Collection")
+        for time, file in self.frames:
+            name = f"{FOLDER}/{file.name}"
+            ElementTree.SubElement(
+                collection, "DataSet", timestep=repr(float(time)), part="0", file=name
+            )
+        ElementTree.indent(root)
+        with replaced(self.path) as unfinished:
+            ElementTree.ElementTree(root).write(unfinished, encoding="utf-8", xml_declaration=True)

@@ -1,0 +1,140 @@
+"""The fixed floor of tanks and channels: level, bend, roughness (NumPy only).
+
+In two dimensions y is up, in three z.
+"""
+
+from __future__ import annotations
+
+from math import radians, tan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import shapes, tables
+from debrisflow.case.shapes import is_three_dimensional, plain_edges
+
+Floats = NDArray[np.float64]
+
+
+def floor_level(case: tables.Case, x: Floats) -> Floats:
+    """Return the level y of the fixed floor at x, the bottom of the recess under a bed, m.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace as Case
+    >>> channel = shapes.Channel(
+    ...     type="channel", length=4.0, height=1.0, bed_start=1.0, bed_end=3.0, bed_thickness=0.2
+    ... )
+    >>> floor_level(Case(geometry=channel), np.array([0.5, 2.0, 3.5]))
+    array([ 0. , -0.2,  0. ])
+    """
+    shape = case.geometry
+    level = np.zeros_like(np.asarray(x, dtype=float))
+    if isinstance(shape, shapes.ChannelShape) and shape.bed_end is not None:
+        if shape.periodic:
+            x = np.mod(x, shape.length)
+        level[(x >= shape.bed_start) & (x < shape.bed_end)] = -shape.bed_thickness
+        if not shape.periodic:
+            level[x >= shape.bed_end] = shape.weir_height
+        if shape.runout_start is not None:
+            level += np.maximum(x - shape.runout_start, 0.0) * tan(runout_bend(case))
+    return level
+
+
+def runout_bend(case: tables.Case) -> float:
+    """Return the angle by which the floor of a channel with a run-out bends up, rad."""
+    assert isinstance(case.geometry, shapes.ChannelShape)
+    return case.gravity.fall - radians(case.geometry.runout_slope)
+
+
+def floor_bend(case: tables.Case, x: Floats) -> Floats:
+    """Return the angle by which the floor at x rises above the x axis, rad."""
+    shape, x = case.geometry, np.asarray(x, dtype=float)
+    if not isinstance(shape, shapes.ChannelShape) or shape.runout_start is None:
+        return np.zeros_like(x)
+    return np.where(x > shape.runout_start, runout_bend(case), 0.0)
+
+
+def driving_gravity(case: tables.Case, x: Floats, normal: Floats) -> Floats:
+    """Return the part of gravity that drives the flow along walls of a channel, (m, 3) m/s2.
+
+    Neither across the wall nor across the floor at x, where pressure balances it.  0 in a tank, in
+    which the fluid comes to rest.  In three dimensions.
+
+    Parameters
+    ----------
+    case : Case
+    x : (m,) float64 array, m
+        Of particles of the walls.
+    normal : (m, 3) float64 array
+        Out of the walls.
+    """
+    if not isinstance(case.geometry, shapes.ChannelShape):
+        return np.zeros_like(normal)
+    bend = floor_bend(case, x)
+    floor = np.column_stack([-np.sin(bend), np.zeros_like(bend), np.cos(bend)])
+    rest = normal - np.sum(normal * floor, axis=1)[:, None] * floor
+    size = np.linalg.norm(rest, axis=1)[:, None]
+    other = np.divide(rest, size, out=np.zeros_like(rest), where=size > 1e-9)
+    along, upward = case.gravity.components
+    driving = np.tile([along, 0.0, upward], (len(normal), 1))
+    for axis in (floor, other):
+        driving -= np.sum(driving * axis, axis=1)[:, None] * axis
+    return driving
+
+
+def height_over_floor(case: tables.Case, x: Floats, y: Floats, at: Floats) -> Floats:
+    """Return the heights of points over the floor that is under ``at``, along its normal, m."""
+    bend = floor_bend(case, at)
+    return (y - floor_level(case, at) - np.tan(bend) * (x - at)) * np.cos(bend)
+
+
+def is_over_floor(case: tables.Case, x: Floats, y: Floats) -> NDArray[np.bool_]:
+    """Return which places have the floor of the space under them; in two dimensions y is not used.
+
+    Examples
+    --------
+    A channel 0.5 m wide that opens at x = 2 m to a plain three times as wide:
+
+    >>> from types import SimpleNamespace as Case
+    >>> flume = shapes.Channel3D(
+    ...     type="channel3d", length=4.0, width=0.5, height=1.0, runout_start=2.0, runout_width=1.5
+    ... )
+    >>> is_over_floor(Case(geometry=flume), np.array([1.0, 1.0, 3.0]), np.array([0.2, 0.8, 0.8]))
+    array([ True, False,  True])
+    """
+    shape = case.geometry
+    length = shape.width if isinstance(shape, shapes.Tank) else shape.length
+    repeats_along_x = shape.periodic and not isinstance(shape, shapes.Tank3D)
+    over = np.full(np.shape(x), fill_value=True)
+    if not repeats_along_x:
+        over &= (x > 0.0) & (x < length)
+    if not is_three_dimensional(shape):
+        return over
+    edges = plain_edges(shape)
+    between = (y > 0.0) & (y < shape.width)
+    if isinstance(shape, shapes.Channel3D) and edges is not None:
+        assert shape.runout_start is not None
+        between |= (x > shape.runout_start) & (y > edges[0]) & (y < edges[1])
+    elif isinstance(shape, shapes.Tank3D) and shape.periodic:
+        return over
+    return np.asarray(over & between)
+
+
+def floor_roughness(case: tables.Case, x: Floats) -> Floats:
+    """Return the roughness of the fixed floor at x, under a bed that of its recess, m.
+
+    Infinite where the floor has none, so that no law of the wall acts.
+    """
+    shape, x = case.geometry, np.asarray(x, dtype=float)
+    roughness = np.full_like(x, case.walls.floor.roughness)
+    if isinstance(shape, shapes.Channel):
+        assert shape.bed_end is not None
+        if shape.periodic:
+            x = np.mod(x, shape.length)
+        elif shape.weir_height > 0.0:
+            roughness[x >= shape.bed_end] = case.walls.right.roughness
+        if shape.bed_thickness > 0.0:
+            in_bed = (x >= shape.bed_start) & (x < shape.bed_end)
+            roughness[in_bed] = case.walls.bed.roughness
+    return np.where(roughness > 0.0, roughness, np.inf)
