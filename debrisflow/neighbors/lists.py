@@ -253,6 +253,51 @@ def _listed(
         index = np.zeros((len(index), most + most // 8 + 2), dtype=np.int32)
 
 
+@kernel
+def _group(first, last, index, count, moving, pressed, moving_count, pressed_count):
+    kept = np.empty(index.shape[1], dtype=np.int32)
+    for i in range(first, last):
+        place, rest = 0, 0
+        for k in range(count[i]):
+            j = index[i, k]
+            if j < moving:
+                index[i, place] = j
+                place += 1
+            else:
+                kept[rest] = j
+                rest += 1
+        moving_count[i] = place
+        for k in range(rest):
+            if kept[k] < pressed:
+                index[i, place] = kept[k]
+                place += 1
+        pressed_count[i] = place - moving_count[i]
+        for k in range(rest):
+            if kept[k] >= pressed:
+                index[i, place] = kept[k]
+                place += 1
+
+
+@loop
+def group(index, count, moving, pressed, moving_count, pressed_count):
+    """Put the neighbors of each row in order: what moves, walls with a pressure, other walls.
+
+    Within a group they keep their order.
+
+    Parameters
+    ----------
+    index, count : (rows, capacity), (rows,) int32 array
+        Lists of :class:`Neighbors`; changed.
+    moving, pressed : int
+        Particles before ``moving`` move, those before ``pressed`` carry a pressure.
+    moving_count, pressed_count : (rows,) int32 array
+        Written: neighbors that move, and walls with a pressure.
+    """
+    for block in prange((count.size + PIECE - 1) // PIECE):
+        first, last = block * PIECE, min(block * PIECE + PIECE, count.size)
+        _group(first, last, index, count, moving, pressed, moving_count, pressed_count)
+
+
 class Neighbors:
     """Neighbors of the first ``rows`` particles, within the influence radius and a skin.
 
@@ -273,7 +318,7 @@ class Neighbors:
     >>> line = np.array([[0.0, 0, 0], [1.0, 0, 0], [3.0, 0, 0]])
     >>> near = Neighbors(1.5, 1.0, np.zeros(3))
     >>> near.build(line, rows=3)
-    >>> near.count.tolist(), near.index[0, 0]
+    >>> near.count.tolist(), near.neighbors[0, 0]
     ([1, 1, 0], np.int32(1))
     """
 

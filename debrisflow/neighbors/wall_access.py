@@ -1,4 +1,7 @@
-"""What a fluid particle sees of a wall particle: height, contact, mirrored velocity."""
+"""What a particle sees of a wall particle: height, contact, mirrored velocity.
+
+Letters as in :mod:`debrisflow.neighbors.pairs`.
+"""
 
 from __future__ import annotations
 
@@ -8,59 +11,119 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel
+from debrisflow.neighbors.pairs import inverse_distance, separation
 
 Floats = NDArray[np.float64]
-
 EDGE = 0.9  # greatest component of a unit normal at an edge of two axis-parallel faces
 
 
-class WallSurface(NamedTuple):
-    """What viscous terms need to know of walls; rows of other particles hold zeros.
+class Solid(NamedTuple):
+    """What is known of the wall particles.
 
     Attributes
     ----------
-    normal : (n, 3) float64 array
-        Unit normal out of the wall.
-    depth : (n,) float64 array, m
-        Distance of the wall particle to the surface.
-    slip : (n,) float64 array
+    position, normal : (m, 3) float64 array, m
+        The normal points out of the wall.
+    depth : (m,) float64 array, m
+        Distance to the wall's surface.
+    slip : (m,) float64 array
         1 where the wall is free-slip, 0 where it is no-slip.
-    roughness : (n,) float64 array, m
+    roughness : (m,) float64 array, m
         Equivalent sand roughness; 0 where the law of the wall does not act.
+    velocity : (m, 3) float64 array, m/s, or None
+        None where no wall moves.
+    contact_height : (m,) float64 array, m
+        Height over the surface below which contacts are looked for; -inf under the first layer.
+    on_mesh : (m,) bool array
+        Whether the surface is that of a mesh, of any direction, not along the axes.
+    driving : (m, 3) float64 array, m/s2
+        The part of gravity along a wall that drives the flow and that no pressure balances.
     """
 
+    position: Floats
     normal: Floats
     depth: Floats
     slip: Floats
     roughness: Floats
+    velocity: Floats | None
+    contact_height: Floats
+    on_mesh: NDArray[np.bool_]
+    driving: Floats
 
 
 @kernel
-def velocity_difference(i, k, velocity, walls, stencil):
-    """Return ``u_j - u_i``, where a wall particle has the velocity that keeps its surface still.
+def first_of(i, start):
+    """Return ``start[i]``, 0 if there is no array of starts."""
+    return 0 if start is None else start[i]
+
+
+@kernel
+def wall_pair(i, k, near, solid):
+    """Return the number j of wall neighbor k of particle i, ``r_ij``, m, and ``1 / r``."""
+    place = first_of(i, near.wall_start) + k
+    j = np.uint32(near.wall[near.wall_row[i], place] - near.wall_from)
+    dx, dy, dz = separation(i, j, near.position, solid.position, near.period)
+    return j, dx, dy, dz, inverse_distance(dx, dy, dz, near)
+
+
+@kernel
+def height_over(dx, dy, dz, j, solid):
+    """Return the height over the surface at wall particle j, m, from the separation to it."""
+    normal = solid.normal
+    return -(dx * normal[j, 0] + dy * normal[j, 1] + dz * normal[j, 2]) - solid.depth[j]
+
+
+@kernel
+def across_wall(dx, dy, dz, j, solid):
+    """Return a separation from wall particle j; from one that is free-slip the part across it."""
+    normal, slip = solid.normal, solid.slip[j]
+    across = slip * (dx * normal[j, 0] + dy * normal[j, 1] + dz * normal[j, 2])
+    along = 1.0 - slip
+    return (
+        along * dx + across * normal[j, 0],
+        along * dy + across * normal[j, 1],
+        along * dz + across * normal[j, 2],
+    )
+
+
+@kernel
+def wall_factor(height, j, solid, near):
+    """Return ``1 + s / h``, by how much a velocity difference to wall particle j is mirrored.
+
+    s is its depth under the surface, h the height over it, not taken below d0/2, its value in the
+    first row of the lattice.
+    """
+    return 1.0 + solid.depth[j] / max(height, 0.5 * near.spacing)
+
+
+@kernel
+def velocity_of(j, velocity):
+    """Return the velocity of wall particle j, m/s; 0 if there is no array of velocities."""
+    if velocity is None:
+        return 0.0, 0.0, 0.0
+    else:
+        return velocity[j, 0], velocity[j, 1], velocity[j, 2]
+
+
+@kernel
+def wall_velocity_difference(u, v, w, height, j, solid, near):
+    """Return ``u_j - u_i``, m/s, where a wall particle keeps its surface at the wall's velocity.
 
     A wall particle at depth ``s`` under its surface takes the velocity on the line through
     ``u_i`` at the height ``h`` of particle i and the wall's velocity at the surface, so that
 
         u_j - u_i = -(1 + s / h) (u_i - u_wall)
 
-    which makes a linear profile exact; along a free-slip wall the tangential part is 0.  ``h`` is
-    not taken below d0/2, its value on the lattice.
+    which makes a linear profile exact; along a free-slip wall the tangential part is 0.
 
     References
     ----------
     Morris, Fox & Zhu 1997, doi:10.1006/jcph.1997.5776.
     """
-    j = stencil.neighbors[i, k]
-    du = velocity[j, 0] - velocity[i, 0]
-    dv = velocity[j, 1] - velocity[i, 1]
-    dw = velocity[j, 2] - velocity[i, 2]
-    if j < stencil.wall_from:
-        # returned from here, the loop over fluid neighbors is ten times faster
-        return du, dv, dw
-    nx, ny, nz = walls.normal[j, 0], walls.normal[j, 1], walls.normal[j, 2]
-    factor = 1.0 + walls.depth[j] / wall_distance(i, k, walls, stencil)
-    return mirrored(du, dv, dw, nx, ny, nz, factor, walls.slip[j])
+    wall_u, wall_v, wall_w = velocity_of(j, solid.velocity)
+    nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
+    factor = wall_factor(height, j, solid, near)
+    return mirrored(wall_u - u, wall_v - v, wall_w - w, nx, ny, nz, factor, solid.slip[j])
 
 
 @kernel
@@ -78,40 +141,6 @@ def mirrored(du, dv, dw, nx, ny, nz, factor, slip):
         factor * (normal * nx + stick * (du - normal * nx)),
         factor * (normal * ny + stick * (dv - normal * ny)),
         factor * (normal * nz + stick * (dw - normal * nz)),
-    )
-
-
-@kernel
-def height_over(i, k, walls, stencil):
-    """Return the height of particle i over the surface of the wall of neighbor k, m."""
-    j = stencil.neighbors[i, k]
-    below = (
-        stencil.dx[i, k] * walls.normal[j, 0]
-        + stencil.dy[i, k] * walls.normal[j, 1]
-        + stencil.dz[i, k] * walls.normal[j, 2]
-    )
-    return -below - walls.depth[j]
-
-
-@kernel
-def contact(i, k, walls, stencil):
-    """Return height over and normal of the wall face that neighbor k shows to particle i.
-
-    Infinite if the neighbor is no wall or lies deeper than the first layer, and where
-    :func:`face_towards` is.
-    """
-    j = stencil.neighbors[i, k]
-    d0 = stencil.spacing
-    if j < stencil.wall_from or walls.depth[j] > 0.75 * d0:
-        return np.inf, 0.0, 0.0, 0.0
-    return face_towards(
-        stencil.dx[i, k],
-        stencil.dy[i, k],
-        stencil.dz[i, k],
-        walls.normal[j, 0],
-        walls.normal[j, 1],
-        walls.normal[j, 2],
-        d0,
     )
 
 
@@ -142,6 +171,17 @@ def face_towards(dx, dy, dz, nx, ny, nz, d0):
 
 
 @kernel
-def wall_distance(i, k, walls, stencil):
-    """Return the height over the wall, not below d0/2, the height of the first row, m."""
-    return max(height_over(i, k, walls, stencil), 0.5 * stencil.spacing)
+def contact(dx, dy, dz, j, solid, near):
+    """Return height over and normal of the surface that first-layer wall particle j stands for.
+
+    Infinite if the surface is not below; that of a mesh is the plane at the particle, up to a
+    spacing aside, since the particles stand on the lattice and not along the surface.
+    """
+    nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
+    if not solid.on_mesh[j]:
+        return face_towards(dx, dy, dz, nx, ny, nz, near.spacing)
+    above = -(dx * nx + dy * ny + dz * nz)
+    aside2 = dx * dx + dy * dy + dz * dz - above * above
+    if above <= 0.0 or aside2 > near.spacing * near.spacing:
+        return np.inf, 0.0, 0.0, 0.0
+    return above - solid.depth[j], nx, ny, nz

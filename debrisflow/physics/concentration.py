@@ -1,65 +1,61 @@
-"""Local concentration of sediment, around a particle and at its level."""
+"""Local concentration of sediment: around a particle, and at its level."""
 
 from __future__ import annotations
 
 from numba import prange
 
 from debrisflow._jit import kernel, loop
+from debrisflow.neighbors.pairs import BLOCK, fluid_pair, weight
+
+SELF_WEIGHT = 2.0  # of a particle in its own mean
 
 
 @kernel
-def concentration_at(i, fluid_count, fraction, stencil):
-    """Return the weighted share of sediment in reach, the particle itself counted twice."""
-    share, total = 2.0 * fraction[i], 2.0
-    for k in range(stencil.neighbor_count[i]):
-        j = stencil.neighbors[i, k]
-        if j < fluid_count:
-            w = stencil.effective_radius * stencil.inverse[i, k] - 1.0
-            share += w * fraction[j]
-            total += w
-    return share / total
+def concentrations_at(i, fraction, level, down, near):
+    """Return the share of sediment around particle i and that at its level.
 
+        C = (2 f_i + sum of w f_j) / (2 + sum of w)
 
-@loop
-def concentration(fluid_count, fraction, stencil, c):
-    """Write the weighted share of ``fraction`` around the first ``fluid_count`` particles.
+    and the same of ``level`` with the weights ``w sin^2``, of the angle between the way to the
+    neighbor and ``down``, the unit vector of gravity, which may be zero.  Supply counts, walls and
+    air do not.
 
-    Applied to its own result it smooths the concentration.
+    C at the level of a particle decides where grains touch and what they weigh.  C itself, a mean
+    over the whole influence radius, goes over from a bed to the water on it within three rows, and
+    at a free surface knows of one side only: a row of water on a bed has more than half of the
+    bed's concentration, would have its strength and stick to it.  At its own level the change
+    takes one row to either side of the surface, under deep water, a film or none.
+
+    Parameters
+    ----------
+    i : int
+    fraction, level : (n,) float64 array
+        At first the volume of sediment in the particles; the means of the first pass in a second,
+        which smooths them.
+    down : (3,) float64 array
+    near : Near
     """
-    for i in prange(fluid_count):
-        c[i] = concentration_at(i, fluid_count, fraction, stencil)
+    total, share = SELF_WEIGHT, SELF_WEIGHT * fraction[i]
+    level_total, level_share = SELF_WEIGHT, SELF_WEIGHT * level[i]
+    for k in range(near.fluid_count[i]):
+        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        w = weight(inverse, near)
+        below = inverse * (down[0] * dx + down[1] * dy + down[2] * dz)
+        aside = w * (1.0 - below * below)
+        total, share = total + w, share + w * fraction[j]
+        level_total, level_share = level_total + aside, level_share + aside * level[j]
+    return share / total, level_share / level_total
 
 
 @kernel
-def level_concentration_at(i, fluid_count, fraction, down, stencil):
-    """Return the share of sediment around particle i at its level, i itself counted twice.
-
-    Weights are ``w`` times the square of the sine between the way to the neighbor and ``down``, the
-    unit vector of gravity, which may be zero.
-    """
-    share, total = 2.0 * fraction[i], 2.0
-    for k in range(stencil.neighbor_count[i]):
-        j = stencil.neighbors[i, k]
-        if j < fluid_count:
-            inverse = stencil.inverse[i, k]
-            below = inverse * (
-                down[0] * stencil.dx[i, k] + down[1] * stencil.dy[i, k] + down[2] * stencil.dz[i, k]
-            )
-            w = (stencil.effective_radius * inverse - 1.0) * (1.0 - below * below)
-            share += w * fraction[j]
-            total += w
-    return share / total
+def _concentrations(first, last, fraction, level, down, near, around, at_level):
+    for i in range(first, last):
+        around[i], at_level[i] = concentrations_at(i, fraction, level, down, near)
 
 
 @loop
-def level_concentration(fluid_count, fraction, down, stencil, c):
-    """Write the share of sediment at the level of every fluid particle.
-
-    It decides where grains touch and what they weigh.  The concentration C, a mean over the whole
-    influence radius, goes over from a bed to the water on it within three rows, and at a free
-    surface knows of one side only: a row of water on a bed has more than half of the bed's
-    concentration, would have its strength and stick to it.  At its own level the change takes one
-    row to either side of the surface, under deep water, a film or none.
-    """
-    for i in prange(fluid_count):
-        c[i] = level_concentration_at(i, fluid_count, fraction, down, stencil)
+def concentrations(fraction, level, down, near, around, at_level):
+    """Write :func:`concentrations_at` of every particle, (n,) float64 arrays."""
+    for block in prange((around.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, around.size)
+        _concentrations(first, last, fraction, level, down, near, around, at_level)

@@ -2,54 +2,74 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import prange
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.wall_access import contact
-
-CONTACT_REACH = 1.5  # spacings within which a wall particle can be touched
+from debrisflow.neighbors.pairs import BLOCK, fluid_pair
+from debrisflow.neighbors.wall_access import contact, height_over, velocity_of, wall_pair
 
 
 @kernel
-def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, stencil):
-    """Return the velocity of particle i after its collisions.
+def impulse_share(rho_i, rho_j, j, near):
+    """Return ``rho_j / (rho_i + rho_j)``, the share of the other mass; 1 beside waiting supply.
 
-    Two particles nearer than ``distance`` that approach each other exchange the impulse of a
-    collision with the given restitution, evaluated from the same velocities for both, so that
-    momentum is conserved; inflow particles have infinite mass.  A wall acts as the plane of its
-    surface: a particle nearer to it than ``distance - d0/2`` bounces along the normal with the
-    same restitution and slides freely.  Without collisions a dam break blows up.
+    Supply moves at a given velocity whatever it meets, and so has infinite mass.
     """
-    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    u0, v0, w0 = u, v, w
-    d0 = stencil.spacing
-    near_wall = False
-    for k in range(stencil.neighbor_count[i]):
-        inverse = stencil.inverse[i, k]
-        if inverse * CONTACT_REACH * d0 < 1.0:
+    return rho_j / (rho_i + rho_j) if j < near.supply_from else 1.0
+
+
+@kernel
+def impulse(along, inverse, share, distance):
+    """Return the factor of ``r_ij`` in the change of velocity by a collision without rebound, 1/s.
+
+    ``along = u_ij . r_ij``; 0 where the two are farther apart than the distance or part.  Both
+    sides of a pair take it from the same velocities, so that momentum is conserved.
+    """
+    hit = min(along, 0.0) * inverse * inverse * share
+    return hit if inverse * distance > 1.0 else 0.0
+
+
+@kernel
+def collisions_at(i, velocity, density, distance, near):
+    """Return the change of velocity of particle i by its collisions without rebound, m/s."""
+    u, v, w, rho = velocity[i, 0], velocity[i, 1], velocity[i, 2], density[i]
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(near.fluid_count[i]):
+        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        along = (velocity[j, 0] - u) * dx + (velocity[j, 1] - v) * dy + (velocity[j, 2] - w) * dz
+        f = impulse(along, inverse, impulse_share(rho, density[j], j, near), distance)
+        x, y, z = x + f * dx, y + f * dy, z + f * dz
+    return x, y, z
+
+
+@kernel
+def touches_wall_at(i, near, solid):
+    """Return how many first-layer wall particles particle i may touch."""
+    touched = 0.0
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, _ = wall_pair(i, k, near, solid)
+        touched += 1.0 if height_over(dx, dy, dz, j, solid) < solid.contact_height[j] else 0.0
+    return touched
+
+
+@kernel
+def bounce_at(i, u, v, w, distance, restitution, near, solid):
+    """Return a velocity of particle i after it bounced off the walls that it touches.
+
+    A wall acts as the plane of its surface: a particle nearer to it than ``distance - d0/2`` that
+    approaches bounces along the normal and slides freely.
+    """
+    reach = distance - 0.5 * near.spacing
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, _ = wall_pair(i, k, near, solid)
+        if solid.contact_height[j] == -np.inf:
             continue
-        j = stencil.neighbors[i, k]
-        near_wall = near_wall or j >= stencil.wall_from
-        if inverse * distance <= 1.0 or j >= stencil.wall_from:
+        height, nx, ny, nz = contact(dx, dy, dz, j, solid, near)
+        if height >= reach:
             continue
-        dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
-        approach = (
-            (u0 - velocity[j, 0]) * dx + (v0 - velocity[j, 1]) * dy + (w0 - velocity[j, 2]) * dz
-        )
-        if approach > 0.0:
-            share = density[j] / (density[i] + density[j]) if j < fluid_count else 1.0
-            impulse = (1.0 + restitution) * share * approach * inverse * inverse
-            u -= impulse * dx
-            v -= impulse * dy
-            w -= impulse * dz
-    if not near_wall:
-        return u, v, w
-    for k in range(stencil.neighbor_count[i]):
-        height, nx, ny, nz = contact(i, k, walls, stencil)
-        if height >= distance - 0.5 * d0:
-            continue
-        j = stencil.neighbors[i, k]
-        approach = (velocity[j, 0] - u) * nx + (velocity[j, 1] - v) * ny + (velocity[j, 2] - w) * nz
+        wall_u, wall_v, wall_w = velocity_of(j, solid.velocity)
+        approach = (wall_u - u) * nx + (wall_v - v) * ny + (wall_w - w) * nz
         if approach > 0.0:
             u += (1.0 + restitution) * approach * nx
             v += (1.0 + restitution) * approach * ny
@@ -57,10 +77,44 @@ def collide_at(i, fluid_count, velocity, density, walls, distance, restitution, 
     return u, v, w
 
 
+@kernel
+def _collide(first, last, velocity, density, distance, restitution, near, solid, collided):
+    for i in range(first, last):
+        x, y, z = collisions_at(i, velocity, density, distance, near)
+        u = velocity[i, 0] + (1.0 + restitution) * x
+        v = velocity[i, 1] + (1.0 + restitution) * y
+        w = velocity[i, 2] + (1.0 + restitution) * z
+        if touches_wall_at(i, near, solid) > 0.0:
+            u, v, w = bounce_at(i, u, v, w, distance, restitution, near, solid)
+        collided[i, 0], collided[i, 1], collided[i, 2] = u, v, w
+
+
 @loop
-def collide(fluid_count, velocity, density, walls, distance, restitution, stencil, collided):
-    """Write the velocities of the fluid particles after their collisions."""
-    for i in prange(fluid_count):
-        collided[i, 0], collided[i, 1], collided[i, 2] = collide_at(
-            i, fluid_count, velocity, density, walls, distance, restitution, stencil
-        )
+def collide(velocity, density, distance, restitution, near, solid, collided):
+    """Write the velocities of the fluid particles after their collisions, (n, 3) array, m/s.
+
+    Two particles nearer than ``distance``, m, that approach exchange the impulse of a collision
+    with the given restitution.  Without collisions a dam break blows up.
+    """
+    n = collided.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _collide(first, last, velocity, density, distance, restitution, near, solid, collided)
+
+
+@kernel
+def is_inside_wall_at(i, near, solid):
+    """Return whether particle i is where a wall particle of the second layer or deeper stands."""
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, _ = wall_pair(i, k, near, solid)
+        aside = max(abs(dx), abs(dy), abs(dz))
+        if solid.depth[j] > near.spacing and aside < 0.5 * near.spacing:
+            return True
+    return False
+
+
+@loop
+def find_inside_walls(near, solid, inside):
+    """Write which fluid particles went into a wall, (n,) bool array."""
+    for i in prange(inside.size):
+        inside[i] = is_inside_wall_at(i, near, solid)

@@ -12,7 +12,8 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.pairs import BLOCK, contact, coupling_weight, separation
+from debrisflow.neighbors.pairs import BLOCK, coupling_weight
+from debrisflow.neighbors.wall_access import contact, wall_pair
 
 Floats = NDArray[np.float64]
 ALIKE = 0.9  # cosine between the normals of surfaces that are taken for one plane
@@ -39,27 +40,26 @@ def no_mirrors(count: int) -> Mirrors:
 
 
 @kernel
-def mirror_at(i, fluid, solid, near, numbers):
+def mirror_at(i, near, solid):
     """Return normal and height of :class:`Mirrors` of particle i.
 
     Only a surface that the particle stands over counts, none beyond its end.
     """
-    nx, ny, nz, nearest = 0.0, 0.0, 0.0, numbers.effective_radius
+    nx, ny, nz, nearest = 0.0, 0.0, 0.0, near.effective_radius
     for k in range(near.wall_count[i]):
-        j = np.uint32(near.wall[near.wall_row[i], k])
+        j, dx, dy, dz, _ = wall_pair(i, k, near, solid)
         if solid.slip[j] == 0.0:
             continue
-        dx, dy, dz = separation(i, j, fluid.position, solid.position, near.period)
-        height, ax, ay, az = contact(dx, dy, dz, j, solid, numbers)
+        height, ax, ay, az = contact(dx, dy, dz, j, solid, near)
         if height < nearest:
             nx, ny, nz, nearest = ax, ay, az, max(height, 0.0)
     return nx, ny, nz, nearest
 
 
 @kernel
-def _find_mirrors(first, last, fluid, solid, near, numbers, mirrors):
+def _find_mirrors(first, last, near, solid, mirrors):
     for i in range(first, last):
-        nx, ny, nz, height = mirror_at(i, fluid, solid, near, numbers)
+        nx, ny, nz, height = mirror_at(i, near, solid)
         mirrors.normal[i, 0] = nx
         mirrors.normal[i, 1] = ny
         mirrors.normal[i, 2] = nz
@@ -67,16 +67,16 @@ def _find_mirrors(first, last, fluid, solid, near, numbers, mirrors):
 
 
 @loop
-def find_mirrors(fluid, solid, near, numbers, mirrors):
+def find_mirrors(near, solid, mirrors):
     """Write the mirrors of all particles."""
     n = mirrors.height.size
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
-        _find_mirrors(first, last, fluid, solid, near, numbers, mirrors)
+        _find_mirrors(first, last, near, solid, mirrors)
 
 
 @kernel
-def image_weight(i, j, dx, dy, dz, mirrors, numbers):
+def image_weight(i, j, dx, dy, dz, mirrors, near):
     """Return the coupling weight of the image of one of two particles with the other, 1/m2.
 
     For two that are nearest to the same plane, h over it: the image is ``sqrt(r^2 + 4 h_i h_j)``
@@ -89,4 +89,4 @@ def image_weight(i, j, dx, dy, dz, mirrors, numbers):
     if alike < ALIKE:
         return 0.0
     r2 = dx * dx + dy * dy + dz * dz + 4.0 * height[i] * height[j]
-    return coupling_weight(1.0 / np.sqrt(max(r2, 1e-12 * numbers.spacing**2)), numbers)
+    return coupling_weight(1.0 / np.sqrt(max(r2, 1e-12 * near.spacing**2)), near)

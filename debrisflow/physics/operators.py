@@ -1,81 +1,194 @@
-"""The particle models: number density, gradient and shear rate.
+"""The particle models: number density, gradient, higher-order forms and velocity gradient.
 
-Letters as in :mod:`debrisflow.neighbors.stencil`.
+Letters as in :mod:`debrisflow.neighbors.pairs`.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numba import prange
-from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.wall_access import velocity_difference
+from debrisflow.neighbors.pairs import (
+    BLOCK,
+    fluid_pair,
+    gradient_factor,
+    is_inside,
+    weight,
+)
+from debrisflow.neighbors.wall_access import (
+    across_wall,
+    height_over,
+    wall_pair,
+    wall_velocity_difference,
+)
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int32]
-# Below this the neighbors stand too nearly on a line or plane for a gradient across it.
 LEAST_SPREAD = 4e-3
+"""Below this the neighbors stand too nearly on a line or plane for a gradient across it."""
 
 
 @kernel
-def number_density_at(i, stencil):
+def number_density_at(i, near, solid):
     """Return ``n_i = sum of w`` and the length of ``sum of w r_ij / r``, 0 in an interior."""
-    r_e = stencil.effective_radius
-    n = 0.0
-    x, y, z = 0.0, 0.0, 0.0
-    for k in range(stencil.neighbor_count[i]):
-        inverse = stencil.inverse[i, k]
-        w = r_e * inverse - 1.0
+    n, x, y, z = 0.0, 0.0, 0.0, 0.0
+    for k in range(near.fluid_count[i]):
+        _, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        w = weight(inverse, near)
         n += w
-        x += w * stencil.dx[i, k] * inverse
-        y += w * stencil.dy[i, k] * inverse
-        z += w * stencil.dz[i, k] * inverse
+        x, y, z = x + w * inverse * dx, y + w * inverse * dy, z + w * inverse * dz
+    for k in range(near.wall_count[i]):
+        _, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        w = weight(inverse, near)
+        n += w
+        x, y, z = x + w * inverse * dx, y + w * inverse * dy, z + w * inverse * dz
     return n, np.sqrt(x * x + y * y + z * z)
 
 
+@kernel
+def _number_density(first, last, near, solid, n):
+    for i in range(first, last):
+        n[i], _ = number_density_at(i, near, solid)
+
+
 @loop
-def number_density(stencil, n, asymmetry):
-    """Write number density and asymmetry of every particle with a row, (m,) float64 arrays."""
-    for i in prange(n.size):
-        n[i], asymmetry[i] = number_density_at(i, stencil)
+def number_density(near, solid, n):
+    """Write the number density of the first particles, (m,) float64 array."""
+    for block in prange((n.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n.size)
+        _number_density(first, last, near, solid, n)
 
 
 @kernel
-def gradient_at(i, values, with_walls, stencil):
+def gradient_at(i, values, with_walls, near, solid):
     """Return the conservative gradient ``(Ds/n0) sum of (f_i + f_j) r_ij w / r^2``.
 
     Exact for a linear field on the full lattice, and its pair terms are equal and opposite, so a
-    pressure force conserves momentum.  Dummy walls take the value of i, or are left out unless
-    ``with_walls``.
+    pressure force conserves momentum.  Walls without a value of their own take that of i, or are
+    left out unless ``with_walls``.
+
+    Parameters
+    ----------
+    i : int
+    values : (m,) float64 array
+        Of fluid, supply, and the walls that have a row.
+    with_walls : bool
+    near : Near
+    solid : Solid
     """
-    r_e = stencil.effective_radius
-    x, y, z = 0.0, 0.0, 0.0
-    f_i = values[i]
-    for k in range(stencil.unknown_count[i]):
-        inverse = stencil.inverse[i, k]
-        f = (f_i + values[stencil.neighbors[i, k]]) * (r_e * inverse - 1.0) * inverse * inverse
-        x += f * stencil.dx[i, k]
-        y += f * stencil.dy[i, k]
-        z += f * stencil.dz[i, k]
+    x, y, z, f_i = 0.0, 0.0, 0.0, values[i]
+    for k in range(near.fluid_count[i]):
+        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        f = (f_i + values[j]) * weight(inverse, near) * inverse * inverse
+        x, y, z = x + f * dx, y + f * dy, z + f * dz
+    for k in range(near.pressed_count[i]):
+        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        f = (f_i + values[near.wall_from + j]) * weight(inverse, near) * inverse * inverse
+        x, y, z = x + f * dx, y + f * dy, z + f * dz
     if with_walls:
-        for k in range(stencil.unknown_count[i], stencil.neighbor_count[i]):
-            inverse = stencil.inverse[i, k]
-            f = 2.0 * f_i * (r_e * inverse - 1.0) * inverse * inverse
-            x += f * stencil.dx[i, k]
-            y += f * stencil.dy[i, k]
-            z += f * stencil.dz[i, k]
-    factor = stencil.dimension / stencil.number_density
+        for k in range(near.pressed_count[i], near.wall_count[i]):
+            _, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+            f = 2.0 * f_i * weight(inverse, near) * inverse * inverse
+            x, y, z = x + f * dx, y + f * dy, z + f * dz
+    factor = gradient_factor(near)
     return factor * x, factor * y, factor * z
 
 
 @kernel
-def least_neighbor_value_at(i, values, stencil):
-    """Return ``min over j with w != 0 of (f_i, f_j)``."""
+def least_neighbor_value_at(i, values, near, solid):
+    """Return ``min over j with w != 0 of (f_i, f_j)``, p_min of equations (4) and (14)."""
     least = values[i]
-    for k in range(stencil.unknown_count[i]):
-        least = min(least, values[stencil.neighbors[i, k]])
+    for k in range(near.fluid_count[i]):
+        j, _, _, _, inverse = fluid_pair(i, k, near)
+        least = min(least, values[j] if weight(inverse, near) > 0.0 else least)
+    for k in range(near.pressed_count[i]):
+        j, _, _, _, inverse = wall_pair(i, k, near, solid)
+        least = min(least, values[near.wall_from + j] if weight(inverse, near) > 0.0 else least)
     return least
+
+
+@kernel
+def higher_order_weight(inverse, near):
+    """Return ``r_e / r^3``, 1/m2, of the sums of equations (5), (6), (9) and (17); 0 beyond r_e.
+
+    References
+    ----------
+    Khayyer & Gotoh 2009, doi:10.1016/j.coastaleng.2008.10.004 (5); 2010,
+    doi:10.1016/j.apor.2010.01.001 (6).
+    """
+    return near.effective_radius * is_inside(weight(inverse, near)) * inverse * inverse * inverse
+
+
+@kernel
+def fluid_moments_at(i, velocity, near):
+    """Return the moments of :func:`solve_gradient` over the fluid neighbors of particle i.
+
+    ``M = sum of r_ij (x) r_ij w / r^2`` as (xx, xy, yy, xz, yz, zz), ``B = sum of u_ij (x) r_ij
+    w / r^2`` by rows.
+    """
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(near.fluid_count[i]):
+        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        f = weight(inverse, near) * inverse * inverse
+        du, dv, dw = velocity[j, 0] - u, velocity[j, 1] - v, velocity[j, 2] - w
+        xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
+        xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
+        ux, uy, uz = ux + f * du * dx, uy + f * du * dy, uz + f * du * dz
+        vx, vy, vz = vx + f * dv * dx, vy + f * dv * dy, vz + f * dv * dz
+        wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
+    return xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz
+
+
+@kernel
+def velocity_gradient_at(i, velocity, near, solid):
+    """Return the velocity gradient by rows, 1/s, exact for a linear profile on any arrangement.
+
+    ``B M^-1`` with the moments of :func:`fluid_moments_at` and those of the walls, up to a wall
+    and to a free surface; of the way to a free-slip wall only what leads across it counts, since
+    the fluid shears along it as it does inside.  The usual ``M = n0 I / Ds`` holds on the lattice
+    alone; in a layer whose rows pass each other it reads 1.5 % too little.  Neighbors on a line, or
+    none, give 0.
+    """
+    xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz = fluid_moments_at(i, velocity, near)
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        f = weight(inverse, near) * inverse * inverse
+        height = height_over(dx, dy, dz, j, solid)
+        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, near)
+        dx, dy, dz = across_wall(dx, dy, dz, j, solid)
+        xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
+        xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
+        ux, uy, uz = ux + f * du * dx, uy + f * du * dy, uz + f * du * dz
+        vx, vy, vz = vx + f * dv * dx, vy + f * dv * dy, vz + f * dv * dz
+        wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
+    if near.dimension < 3.0:
+        zz = 0.5 * (xx + yy)  # nothing varies along z
+    return solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)
+
+
+@kernel
+def shear_rate_at(i, velocity, near, solid):
+    """Return the shear rate of :func:`velocity_gradient_at`, 1/s."""
+    return strain_rate(*velocity_gradient_at(i, velocity, near, solid))
+
+
+@kernel
+def _velocity_gradients(first, last, velocity, near, solid, gradient, rate):
+    for i in range(first, last):
+        found = velocity_gradient_at(i, velocity, near, solid)
+        for k in range(9):
+            gradient[i, k] = found[k]
+        rate[i] = strain_rate(*found)
+
+
+@loop
+def velocity_gradients(velocity, near, solid, gradient, rate):
+    """Write velocity gradient by rows, (n, 9) array, and shear rate, (n,) array, 1/s."""
+    for block in prange((rate.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, rate.size)
+        _velocity_gradients(first, last, velocity, near, solid, gradient, rate)
 
 
 @kernel
@@ -108,34 +221,6 @@ def spread(xx, yy, zz, determinant):
     """
     third = (xx + yy + zz) / 3.0
     return determinant / third**3 if third > 0.0 else 0.0
-
-
-@kernel
-def shear_rate_at(i, velocity, walls, stencil):
-    """Return ``sqrt(2 D : D)`` with ``D`` the symmetric part of the velocity gradient, 1/s.
-
-    The gradient is ``B M^-1``, ``B = sum of u_ij (x) r_ij w / r^2`` and
-    ``M = sum of r_ij (x) r_ij w / r^2``: exact for a linear profile on any arrangement, up to a
-    wall and to a free surface.  The usual ``M = n0 I / Ds`` holds on the lattice alone; in a layer
-    whose rows pass each other it reads 1.5 % too little.  Neighbors on a line, or none, give 0.
-    """
-    r_e = stencil.effective_radius
-    xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(stencil.neighbor_count[i]):
-        du, dv, dw = velocity_difference(i, k, velocity, walls, stencil)
-        dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
-        inverse = stencil.inverse[i, k]
-        f = (r_e * inverse - 1.0) * inverse * inverse
-        xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
-        xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
-        ux, uy, uz = ux + f * du * dx, uy + f * du * dy, uz + f * du * dz
-        vx, vy, vz = vx + f * dv * dx, vy + f * dv * dy, vz + f * dv * dz
-        wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
-    if stencil.dimension < 3.0:
-        zz = 0.5 * (xx + yy)  # nothing varies along z
-    found = solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)
-    return strain_rate(*found)
 
 
 @kernel

@@ -6,16 +6,23 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import prange
-from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.physics.operators import gradient_at, least_neighbor_value_at
+from debrisflow.neighbors.pairs import BLOCK, fluid_pair, gradient_factor, weight
+from debrisflow.neighbors.wall_access import velocity_of, wall_pair
+from debrisflow.physics.operators import (
+    gradient_at,
+    higher_order_weight,
+    least_neighbor_value_at,
+    number_density_at,
+)
 
-Floats = NDArray[np.float64]
+DISORDER = 6.0
+"""Factor of the disorder term with the sum gradient, see :func:`pressure_row_at`."""
 
 
 class FreeSurface(NamedTuple):
-    """When a particle is on the free surface: n < lower n0, or n < upper n0 and asymmetric.
+    """When a particle is on the free surface, see :func:`is_on_free_surface`.
 
     The study takes n < 0.97 n0 alone, which flickers inside the fluid; asking for the asymmetry
     ``|sum of w r_ij / r| > asymmetry n0`` as well keeps the pressure of the interior, and the
@@ -28,7 +35,7 @@ class FreeSurface(NamedTuple):
 
 
 class Interface(NamedTuple):
-    """Coefficient of the pressure equation: own / rho_i + other / rho_j + mean * 2/(rho_i + rho_j).
+    """Which of the coefficients of :func:`interface_coefficient` act.
 
     ``Interface(0, 0, 3)`` is the symmetric one, consistent with the flux through the face;
     ``Interface(4, -1, 0)`` is the study's equation (9) in two dimensions.
@@ -56,9 +63,126 @@ class Source(NamedTuple):
     disorder: float
 
 
+def higher_order_factor(dimension: int) -> float:
+    """Return the factor of the higher-order Laplacian: 3 in equation (6), 2 in equation (17).
+
+    References
+    ----------
+    Khayyer & Gotoh 2010, doi:10.1016/j.apor.2010.01.001; 2012.
+
+    Examples
+    --------
+    >>> higher_order_factor(2), higher_order_factor(3)
+    (3.0, 2.0)
+    """
+    return 5.0 - dimension
+
+
+def symmetric_interface(dimension: int) -> Interface:
+    """Return the coefficient that is consistent with the flux through the face of a pair."""
+    return Interface(own=0.0, other=0.0, mean=higher_order_factor(dimension))
+
+
+def study_interface(dimension: int) -> Interface:
+    """Return the coefficient of equation (9): 4 / rho_i - 1 / rho_j, in three dimensions 3.
+
+    It carries the gradient of 1 / rho with the wrong sign; kept as the study's form.
+    """
+    return Interface(own=1.0 + higher_order_factor(dimension), other=-1.0, mean=0.0)
+
+
 @kernel
-def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interface, source, system):
-    """Write row i of the pressure equation and return n_i and whether i is on the free surface.
+def interface_coefficient(rho_i, rho_j, interface):
+    """Return ``own / rho_i + other / rho_j + mean 2 / (rho_i + rho_j)``, m3/kg, of equation (9)."""
+    return interface.own / rho_i + interface.other / rho_j + 2.0 * interface.mean / (rho_i + rho_j)
+
+
+@kernel
+def is_on_free_surface(ratio, asymmetry, surface):
+    """Return whether n/n0 and the asymmetry over n0 are those of the free surface.
+
+    n < lower n0, or n < upper n0 and asymmetric.
+    """
+    return ratio < surface.lower or (ratio < surface.upper and asymmetry > surface.asymmetry)
+
+
+@kernel
+def own_velocity(i, velocity, near, solid):
+    """Return the velocity of particle i, m/s; of a wall that has a row, that of the wall."""
+    if i < near.wall_from:
+        return velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    else:
+        return velocity_of(i - near.wall_from, solid.velocity)
+
+
+@kernel
+def source_sums_at(i, velocity, near, solid):
+    """Return what the pressure equation needs of all neighbors of particle i.
+
+    n; the length of ``sum of w r_ij / r``; the divergence ``sum of (r_e / r^3) r_ij . u_ij`` of
+    equation (5), 1/s; and ``a . b``, 1/m2, with ``a = sum of r_ij w / r^2`` and ``b = sum of
+    r_e r_ij / r^3``, which tells the disorder of the particles.
+
+    References
+    ----------
+    Khayyer & Gotoh 2009, doi:10.1016/j.coastaleng.2008.10.004.
+    """
+    u, v, w = own_velocity(i, velocity, near, solid)
+    n, divergence = 0.0, 0.0
+    x, y, z, ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(near.fluid_count[i]):
+        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        weighed, q = weight(inverse, near), higher_order_weight(inverse, near)
+        along, f = weighed * inverse, weighed * inverse * inverse
+        du, dv, dw = velocity[j, 0] - u, velocity[j, 1] - v, velocity[j, 2] - w
+        n += weighed
+        divergence += q * (dx * du + dy * dv + dz * dw)
+        x, y, z = x + along * dx, y + along * dy, z + along * dz
+        ax, ay, az = ax + f * dx, ay + f * dy, az + f * dz
+        bx, by, bz = bx + q * dx, by + q * dy, bz + q * dz
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        weighed, q = weight(inverse, near), higher_order_weight(inverse, near)
+        along, f = weighed * inverse, weighed * inverse * inverse
+        wall_u, wall_v, wall_w = velocity_of(j, solid.velocity)
+        n += weighed
+        divergence += q * (dx * (wall_u - u) + dy * (wall_v - v) + dz * (wall_w - w))
+        x, y, z = x + along * dx, y + along * dy, z + along * dz
+        ax, ay, az = ax + f * dx, ay + f * dy, az + f * dz
+        bx, by, bz = bx + q * dx, by + q * dy, bz + q * dz
+    return n, np.sqrt(x * x + y * y + z * z), divergence, ax * bx + ay * by + az * bz
+
+
+@kernel
+def coefficients_at(i, density, near, solid, interface, system):
+    """Write the coefficients of row i; return how many, their sum, and whether fluid is among them.
+
+    A_ij = (r_e / r^3) (own / rho_i + other / rho_j + mean 2 / (rho_i + rho_j))
+    """
+    rho, diagonal, entries, wet = density[i], 0.0, 0, i < near.supply_from
+    for k in range(near.fluid_count[i]):
+        j, _, _, _, inverse = fluid_pair(i, k, near)
+        q = higher_order_weight(inverse, near)
+        a = q * interface_coefficient(rho, density[j], interface)
+        system.columns[i, entries], system.value[i, entries] = j, a
+        diagonal += a
+        entries += q > 0.0
+        wet = wet or (q > 0.0 and j < near.supply_from)
+    for k in range(near.pressed_count[i]):
+        j, _, _, _, inverse = wall_pair(i, k, near, solid)
+        q = higher_order_weight(inverse, near)
+        a = q * interface_coefficient(rho, density[near.wall_from + j], interface)
+        system.columns[i, entries], system.value[i, entries] = near.wall_from + j, a
+        diagonal += a
+        entries += q > 0.0
+    return entries, diagonal, wet
+
+
+@kernel
+def pressure_row_at(
+    i, velocity, density, near, solid, surface, interface, source, system, n, on_free_surface
+):
+    """Write row i of the pressure equation, n_i and whether i is on the free surface.
 
         (1/n0) sum of A_ij (p_j - p_i)  -  (6 / (n0 rho_i)) a_i . b_i p_i
             = (1/(n0 dt)) [ sum of (r_e / r^3) r_ij . u*_ij - (n - n0) / tau ]
@@ -88,74 +212,97 @@ def pressure_row_at(i, fluid_count, velocity, density, stencil, surface, interfa
     Khayyer & Gotoh 2009, doi:10.1016/j.coastaleng.2008.10.004 (source); 2010,
     doi:10.1016/j.apor.2010.01.001 (Laplacian).
     """
-    r_e, n0 = stencil.effective_radius, stencil.number_density
-    n, divergence, diagonal = 0.0, 0.0, 0.0
-    x, y, z = 0.0, 0.0, 0.0
-    ax, ay, az = 0.0, 0.0, 0.0
-    bx, by, bz = 0.0, 0.0, 0.0
-    u, v, w_ = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    wet = i < fluid_count
-    mine = interface.own / density[i]
-    for k in range(stencil.neighbor_count[i]):
-        j = stencil.neighbors[i, k]
-        dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
-        inverse = stencil.inverse[i, k]
-        w = r_e * inverse - 1.0
-        n += w
-        x += w * dx * inverse
-        y += w * dy * inverse
-        z += w * dz * inverse
-        f = w * inverse * inverse
-        ax += f * dx
-        ay += f * dy
-        az += f * dz
-        q = r_e * inverse * inverse * inverse
-        bx += q * dx
-        by += q * dy
-        bz += q * dz
-        divergence += q * (
-            dx * (velocity[j, 0] - u) + dy * (velocity[j, 1] - v) + dz * (velocity[j, 2] - w_)
+    n0 = near.number_density
+    sums = source_sums_at(i, velocity, near, solid)
+    n[i], asymmetry, divergence, disorder = sums
+    entries, diagonal, wet = coefficients_at(i, density, near, solid, interface, system)
+    on_free_surface[i] = is_on_free_surface(n[i] / n0, asymmetry / n0, surface)
+    if on_free_surface[i] or not wet or diagonal <= 0.0:
+        system.entries[i], system.diagonal[i], system.right[i] = 0, 1.0, 0.0
+        return
+    if i < near.supply_from and n[i] > surface.upper * n0:
+        # near the surface the sums lack neighbors and do not tell disorder
+        spread = gradient_factor(near) * disorder
+        diagonal += source.disorder * max(spread, 0.0) / density[i]
+    system.entries[i] = entries
+    system.diagonal[i] = diagonal
+    system.right[i] = (source.density_rate * (n[i] - n0) - divergence) / source.dt
+
+
+@kernel
+def _assemble(
+    first, last, velocity, density, near, solid, surface, interface, source, system, n, on_surface
+):
+    for i in range(first, last):
+        pressure_row_at(
+            i, velocity, density, near, solid, surface, interface, source, system, n, on_surface
         )
-    for k in range(stencil.unknown_count[i]):
-        j = stencil.neighbors[i, k]
-        wet = wet or j < fluid_count
-        a = r_e * stencil.inverse[i, k] ** 3
-        a *= mine + interface.other / density[j] + interface.mean * 2.0 / (density[i] + density[j])
-        diagonal += a
-        system.value[i, k] = a
-    asymmetric = np.sqrt(x * x + y * y + z * z) > surface.asymmetry * n0
-    on_surface = n < surface.lower * n0 or (n < surface.upper * n0 and asymmetric)
-    if on_surface or not wet or diagonal <= 0.0:
-        system.entries[i] = 0
-        system.diagonal[i] = 1.0
-        system.right[i] = 0.0
-    else:
-        if i < fluid_count and n > surface.upper * n0:
-            # near the surface the sums lack neighbors and do not tell disorder
-            spread = stencil.dimension / n0 * (ax * bx + ay * by + az * bz)
-            diagonal += source.disorder * max(spread, 0.0) / density[i]
-        system.entries[i] = stencil.unknown_count[i]
-        system.diagonal[i] = diagonal
-        system.right[i] = (source.density_rate * (n - n0) - divergence) / source.dt
-    return n, on_surface
+
+
+@kernel
+def _find_free_surface(first, last, near, solid, surface, n, on_free_surface):
+    for i in range(first, last):
+        n0 = near.number_density
+        n[i], asymmetry = number_density_at(i, near, solid)
+        on_free_surface[i] = is_on_free_surface(n[i] / n0, asymmetry / n0, surface)
+
+
+@loop
+def find_free_surface(near, solid, surface, n, on_free_surface):
+    """Write number density and free surface of every unknown, as :func:`assemble` does."""
+    for block in prange((n.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n.size)
+        _find_free_surface(first, last, near, solid, surface, n, on_free_surface)
 
 
 @loop
 def assemble(
-    fluid_count, velocity, density, stencil, surface, interface, source, system, n, on_surface
+    velocity, density, near, solid, surface, interface, source, system, n, on_free_surface
 ):
     """Write the pressure equation, number density and free surface of every unknown.
 
-    The system must take its columns from the stencil's neighbors.
+    Parameters
+    ----------
+    velocity, density : (moving particles, 3), (n,) float64 array, m/s, kg/m3
+    near : Near
+    solid : Solid
+    surface : FreeSurface
+    interface : Interface
+    source : Source
+    system : System
+    n, on_free_surface : (m,) float64, bool array
+        Written, as the system is.
     """
-    for i in prange(system.entries.size):
-        n[i], on_surface[i] = pressure_row_at(
-            i, fluid_count, velocity, density, stencil, surface, interface, source, system
+    rows = system.entries.size
+    for block in prange((rows + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, rows)
+        _assemble(
+            first,
+            last,
+            velocity,
+            density,
+            near,
+            solid,
+            surface,
+            interface,
+            source,
+            system,
+            n,
+            on_free_surface,
         )
 
 
+@kernel
+def _correct(first, last, dt, pressure, density, with_walls, near, solid, velocity):
+    for i in range(first, last):
+        x, y, z = gradient_at(i, pressure, with_walls, near, solid)
+        velocity[i, 0] -= dt * x / density[i]
+        velocity[i, 1] -= dt * y / density[i]
+        velocity[i, 2] -= dt * z / density[i]
+
+
 @loop
-def correct(dt, pressure, density, with_walls, stencil, velocity):
+def correct(dt, pressure, density, with_walls, near, solid, velocity):
     """Subtract ``dt grad p / rho`` from the velocity of the first ``velocity.shape[0]`` particles.
 
     With the pressure and ``with_walls`` it is the conservative sum form, in which dummy walls take
@@ -167,15 +314,14 @@ def correct(dt, pressure, density, with_walls, stencil, velocity):
     ----------
     Khayyer & Gotoh 2008, doi:10.1142/S0578563408001788.
     """
-    for i in prange(velocity.shape[0]):
-        x, y, z = gradient_at(i, pressure, with_walls, stencil)
-        velocity[i, 0] -= dt * x / density[i]
-        velocity[i, 1] -= dt * y / density[i]
-        velocity[i, 2] -= dt * z / density[i]
+    n = velocity.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _correct(first, last, dt, pressure, density, with_walls, near, solid, velocity)
 
 
 @loop
-def least_pressure(pressure, stencil, least):
+def least_pressure(pressure, near, solid, least):
     """Write the least pressure among each unknown and its neighbors, (m,) float64 array, Pa."""
     for i in prange(least.size):
-        least[i] = least_neighbor_value_at(i, pressure, stencil)
+        least[i] = least_neighbor_value_at(i, pressure, near, solid)

@@ -35,11 +35,12 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
+from debrisflow.neighbors.pairs import fluid_pair, weight
+from debrisflow.physics.concentration import SELF_WEIGHT
 from debrisflow.physics.drag import drag_coefficient, freedom
 from debrisflow.physics.operators import gradient_at
 
 Floats = NDArray[np.float64]
-SELF_WEIGHT = 2.0  # of a particle in its own means, as in the concentration
 PLACES_WITHIN = 1.6  # spacings between particles that exchange places
 ROOM_OF_HELD = 0.2  # share of the packing limit by which room has to open for what was held
 MOST_OWED = 2.0  # spacings; what is owed this much is held by its neighbors
@@ -61,49 +62,48 @@ class Surroundings(NamedTuple):
 
 
 @kernel
-def surroundings_at(i, fluid_count, fraction, stencil):
+def surroundings_at(i, fraction, near):
     """Return share and weight of :class:`Surroundings`, and how much of C_i is i's own.
 
     The smoothed concentration counts the particle itself ``(4 + sum of w^2) / (2 + sum of w)^2``,
     where all in reach have the same sum of weights.
     """
     share, total, squares = 0.0, 0.0, 0.0
-    for k in range(stencil.unknown_count[i]):
-        j = stencil.neighbors[i, k]
-        if j < fluid_count:
-            w = stencil.effective_radius * stencil.inverse[i, k] - 1.0
-            total += w
-            squares += w * w
-            share += w * fraction[j]
+    for k in range(near.fluid_count[i]):
+        j, _, _, _, inverse = fluid_pair(i, k, near)
+        w = weight(inverse, near) if j < near.supply_from else 0.0
+        total += w
+        squares += w * w
+        share += w * fraction[j]
     own = (SELF_WEIGHT**2 + squares) / (SELF_WEIGHT + total) ** 2
     return (share / total if total > 0.0 else fraction[i]), total, own
 
 
 @loop
-def survey_surroundings(fraction, smoothed, stencil, share, weight, c):
+def survey_surroundings(fraction, smoothed, near, share, weights, c):
     """Write the arrays of :class:`Surroundings` from phases and smoothed concentration."""
     for i in prange(share.size):
-        share[i], weight[i], own = surroundings_at(i, share.size, fraction, stencil)
+        share[i], weights[i], own = surroundings_at(i, fraction, near)
         own = min(own, 0.5)
         c[i] = min(max((smoothed[i] - own * fraction[i]) / (1.0 - own), 0.0), 1.0)
 
 
 @loop
-def pressure_gradient(pressure, stencil, gradient):
+def pressure_gradient(pressure, near, solid, gradient):
     """Write the sum-form gradient of the pressure, (n, 3) float64 array, Pa/m."""
     for i in prange(gradient.shape[0]):
-        gradient[i, 0], gradient[i, 1], gradient[i, 2] = gradient_at(i, pressure, True, stencil)
+        gradient[i, 0], gradient[i, 1], gradient[i, 2] = gradient_at(i, pressure, True, near, solid)
 
 
 @kernel
-def mean_at(i, values, chosen, stencil):
+def mean_at(i, values, chosen, near):
     """Return the weighted mean of vectors over the chosen particles in reach, i itself twice."""
     total = SELF_WEIGHT * chosen[i]
     x, y, z = total * values[i, 0], total * values[i, 1], total * values[i, 2]
-    for k in range(stencil.unknown_count[i]):
-        j = stencil.neighbors[i, k]
-        if j < values.shape[0]:
-            w = (stencil.effective_radius * stencil.inverse[i, k] - 1.0) * chosen[j]
+    for k in range(near.fluid_count[i]):
+        j, _, _, _, inverse = fluid_pair(i, k, near)
+        if j < near.supply_from:
+            w = weight(inverse, near) * chosen[j]
             total += w
             x += w * values[j, 0]
             y += w * values[j, 1]
@@ -140,16 +140,16 @@ def advance_at(i, dt, drive, resistance, c, rock, water, u_r):
 
 
 @kernel
-def drive_at(i, gradient, everywhere, thrown, fraction, rock, water, stencil):
+def drive_at(i, gradient, everywhere, thrown, fraction, rock, water, near):
     """Return what accelerates the grains against the water, m/s2.
 
     ``thrown`` is the acceleration of the grains by collisions, without rows where there are none.
     """
-    x, y, z = mean_at(i, gradient, everywhere, stencil)
+    x, y, z = mean_at(i, gradient, everywhere, near)
     buoyancy = 1.0 / water - 1.0 / rock
     x, y, z = buoyancy * x, buoyancy * y, buoyancy * z
     if thrown.shape[0] > 0:
-        gx, gy, gz = mean_at(i, thrown, fraction, stencil)
+        gx, gy, gz = mean_at(i, thrown, fraction, near)
         x += gx
         y += gy
         z += gz
@@ -157,17 +157,17 @@ def drive_at(i, gradient, everywhere, thrown, fraction, rock, water, stencil):
 
 
 @loop
-def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, stencil, u_r, force):
+def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, near, u_r, force):
     """Advance the relative velocity of all fluid particles and write ``K u_r``, N/m3.
 
     Where the grains touch or are held, K is divided by what freedom they have.
     """
     everywhere = np.ones(c.size)
     for i in prange(c.size):
-        drive = drive_at(i, gradient, everywhere, thrown, fraction, rock, water, stencil)
+        drive = drive_at(i, gradient, everywhere, thrown, fraction, rock, water, near)
         speed = np.sqrt(u_r[i, 0] ** 2 + u_r[i, 1] ** 2 + u_r[i, 2] ** 2)
         resistance = drag_coefficient(c[i], speed, drag) / (
-            freedom(c[i], drag.packing_limit) * room_at(i, part, owed, stencil.spacing, u_r)
+            freedom(c[i], drag.packing_limit) * room_at(i, part, owed, near.spacing, u_r)
         )
         advance_at(i, dt, drive, resistance, c[i], rock, water, u_r)
         force[i, 0] = resistance * u_r[i, 0]
@@ -176,7 +176,7 @@ def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, st
 
 
 @kernel
-def drag_at(i, force, fraction, weight, stencil):
+def drag_at(i, force, fraction, weights, near):
     """Return the drag on particle i, N/m3: minus ``(1 - C) K u_r`` on sediment.
 
         sum over the other phase of (w / W) (K_i u_r,i + K_j u_r,j) (f_j - f_i)
@@ -184,11 +184,11 @@ def drag_at(i, force, fraction, weight, stencil):
     W is the sum of the weights of both, at least n0; what one gains the other loses.
     """
     x, y, z = 0.0, 0.0, 0.0
-    for k in range(stencil.unknown_count[i]):
-        j = stencil.neighbors[i, k]
-        if j < weight.size and abs(fraction[i] - fraction[j]) == 1.0:
-            w = stencil.effective_radius * stencil.inverse[i, k] - 1.0
-            share = w / max(weight[i] + weight[j], stencil.number_density)
+    for k in range(near.fluid_count[i]):
+        j, _, _, _, inverse = fluid_pair(i, k, near)
+        if j < near.supply_from and abs(fraction[i] - fraction[j]) == 1.0:
+            w = weight(inverse, near)
+            share = w / max(weights[i] + weights[j], near.number_density)
             share *= fraction[j] - fraction[i]
             x += share * (force[i, 0] + force[j, 0])
             y += share * (force[i, 1] + force[j, 1])
@@ -197,38 +197,37 @@ def drag_at(i, force, fraction, weight, stencil):
 
 
 @loop
-def drag_phases(dt, force, density, fraction, weight, stencil, velocity):
+def drag_phases(dt, force, density, fraction, weights, near, velocity):
     """Add ``dt / rho`` times the drag to the velocity of the fluid particles."""
-    for i in prange(weight.size):
-        x, y, z = drag_at(i, force, fraction, weight, stencil)
+    for i in prange(weights.size):
+        x, y, z = drag_at(i, force, fraction, weights, near)
         velocity[i, 0] += dt * x / density[i]
         velocity[i, 1] += dt * y / density[i]
         velocity[i, 2] += dt * z / density[i]
 
 
 @kernel
-def concentration_ahead(i, j, dx, dy, dz, fraction, fluid_count, stencil):
+def concentration_ahead(i, j, dx, dy, dz, fraction, near):
     """Return C at the place of j for sediment that comes from i, itself counted.
 
     Of the half of the surroundings that lies ahead or beside: what it leaves behind does not count,
     else the top of a bed, which sees clear water above, would pack to more than the limit.
     """
     share, total = 0.5 * SELF_WEIGHT, 0.5 * SELF_WEIGHT
-    beside = -0.25 * stencil.spacing * np.sqrt(dx * dx + dy * dy + dz * dz)
-    for k in range(stencil.unknown_count[j]):
-        other = stencil.neighbors[j, k]
-        if other >= fluid_count or other == i:
+    beside = -0.25 * near.spacing * np.sqrt(dx * dx + dy * dy + dz * dz)
+    for k in range(near.fluid_count[j]):
+        other, ox, oy, oz, inverse = fluid_pair(j, k, near)
+        if other >= near.supply_from or other == i:
             continue
-        ahead = stencil.dx[j, k] * dx + stencil.dy[j, k] * dy + stencil.dz[j, k] * dz
-        if ahead > beside:
-            w = stencil.effective_radius * stencil.inverse[j, k] - 1.0
+        if ox * dx + oy * dy + oz * dz > beside:
+            w = weight(inverse, near)
             total += w
             share += w * fraction[other]
     return share / total
 
 
 @kernel
-def pair_up(owed, fraction, c, packing_limit, stencil, partner):
+def pair_up(owed, fraction, c, packing_limit, near, partner):
     """Write who exchanges places with whom, -1 for who stays, and settle what they are owed.
 
     ``fraction`` is brought up to the exchanges, so that the next ones know of them.
@@ -245,20 +244,19 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
         if fraction[i] != 1.0 or partner[i] >= 0 or freedom(c[i], packing_limit) < 1.0:
             continue
         length = np.sqrt(owed[i, 0] ** 2 + owed[i, 1] ** 2 + owed[i, 2] ** 2)
-        held = 1.0 - freedom(length, MOST_OWED * stencil.spacing)
+        held = 1.0 - freedom(length, MOST_OWED * near.spacing)
         limit = (1.0 - ROOM_OF_HELD * held) * packing_limit
         found, gain = -1, 0.0
-        for k in range(stencil.unknown_count[i]):
-            j = stencil.neighbors[i, k]
+        for k in range(near.fluid_count[i]):
+            j, dx, dy, dz, inverse = fluid_pair(i, k, near)
             if (
-                stencil.inverse[i, k] * PLACES_WITHIN * stencil.spacing < 1.0
-                or j >= partner.size
+                inverse * PLACES_WITHIN * near.spacing < 1.0
+                or j >= near.supply_from
                 or fraction[j] != 0.0
                 or partner[j] >= 0
                 or freedom(c[j], packing_limit) < 1.0
             ):
                 continue
-            dx, dy, dz = stencil.dx[i, k], stencil.dy[i, k], stencil.dz[i, k]
             nearer = (
                 (owed[i, 0] - owed[j, 0] - dx) * dx
                 + (owed[i, 1] - owed[j, 1] - dy) * dy
@@ -266,14 +264,13 @@ def pair_up(owed, fraction, c, packing_limit, stencil, partner):
             )
             if nearer <= gain:
                 continue
-            there = concentration_ahead(i, j, dx, dy, dz, fraction, partner.size, stencil)
+            there = concentration_ahead(i, j, dx, dy, dz, fraction, near)
             if there < limit:
                 found, gain = k, nearer
         if found >= 0:
-            j = stencil.neighbors[i, found]
+            j, dx, dy, dz, _ = fluid_pair(i, found, near)
             partner[i], partner[j] = j, i
             fraction[i], fraction[j] = 0.0, 1.0
-            step = (stencil.dx[i, found], stencil.dy[i, found], stencil.dz[i, found])
-            for axis in range(3):
-                owed[i, axis] -= step[axis]
-                owed[j, axis] += step[axis]
+            for axis, step in enumerate((dx, dy, dz)):
+                owed[i, axis] -= step
+                owed[j, axis] += step

@@ -35,16 +35,28 @@ class System(NamedTuple):
     right: Floats
 
 
-def empty_system(columns: Indices) -> System:
-    """Return a system of given zeros whose rows have the columns of ``columns``."""
-    rows = columns.shape[0]
+def empty_system(rows: int, capacity: int) -> System:
+    """Return a system of given zeros with room for ``capacity`` entries in each row."""
     return System(
-        columns,
-        np.zeros(columns.shape),
-        np.zeros(rows, dtype=np.int32),
-        np.ones(rows),
-        np.zeros(rows),
+        columns=np.zeros((rows, capacity), dtype=np.int32),
+        value=np.zeros((rows, capacity)),
+        entries=np.zeros(rows, dtype=np.int32),
+        diagonal=np.ones(rows),
+        right=np.zeros(rows),
     )
+
+
+class SystemRoom:
+    """Memory for one system after another, kept as long as its shape stays."""
+
+    def __init__(self) -> None:
+        self._system = empty_system(0, 0)
+
+    def fit(self, shape: tuple[int, ...]) -> System:
+        """Return a system of rows and capacity; it holds what the last one held."""
+        if self._system.value.shape != shape:
+            self._system = empty_system(*shape)
+        return self._system
 
 
 @loop

@@ -1,7 +1,6 @@
-"""Implicit exchange of momentum by viscosity and strength, and the static balance of grains.
+"""Implicit exchange of momentum between particles by viscosity and strength.
 
-Both are linear systems over the pairs of a weakly compressible fluid, kept as one coefficient per
-listed neighbor.  Letters as in :mod:`debrisflow.neighbors.pairs`.
+Letters as in :mod:`debrisflow.neighbors.pairs`.
 """
 
 from __future__ import annotations
@@ -13,17 +12,12 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.pairs import (
-    BLOCK,
-    coupling_weight,
-    height_over,
-    inverse_distance,
-    separation,
-    wall_factor,
-    weight,
-)
+from debrisflow.neighbors.pairs import BLOCK, coupling_weight, fluid_pair, laplacian_factor, weight
+from debrisflow.neighbors.wall_access import height_over, velocity_of, wall_factor, wall_pair
 from debrisflow.physics.images import image_weight
 from debrisflow.physics.rheology import (
+    consistency_viscosity,
+    harmonic_mean,
     power_law_viscosity,
     ramp,
     yield_strength,
@@ -38,21 +32,126 @@ see of it, see :func:`pair_shear_rate`.  Films of ten rows are as exact with 0.1
 plugs that are 2 % faster."""
 
 
-class Couplings(NamedTuple):
-    """Rows ``diagonal_i x_i - sum of value_ij x_j`` over the fluid neighbors of each particle.
+class Matter(NamedTuple):
+    """What the particles are and how they move, as far as the exchange of momentum needs it.
 
     Attributes
     ----------
-    value : (n, capacity) float32 array
-        In the order of the list of neighbors.
-    diagonal : (n,) float64 array
-    is_free : (n,) bool array
-        False where x is given.
+    velocity : (n, 3) float64 array, m/s
+        Of the mixture: that of the particle's phase less its slip.
+    density : (n,) float64 array, kg/m3
+    viscosity : (n,) float64 array, Pa s
+        Newtonian viscosity of the particle's phase.
+    turbulent_viscosity : (fluid particles,) float64 array, Pa s
+    concentration : (fluid particles,) float64 array
+        C at the level of the particle, which decides whether grains touch.
+    shear_rate : (fluid particles,) float64 array, 1/s
+    grain_pressure : (n,) float64 array, Pa
+        Effective pressure between the grains of the bed.
     """
 
-    value: NDArray[np.float32]
-    diagonal: Floats
-    is_free: NDArray[np.bool_]
+    velocity: Floats
+    density: Floats
+    viscosity: Floats
+    turbulent_viscosity: Floats
+    concentration: Floats
+    shear_rate: Floats
+    grain_pressure: Floats
+
+
+@kernel
+def strength_viscosity(pressure, c, shear_rate, law):
+    """Return the viscosity of what yields at the strength of the law, with its ramp, Pa s."""
+    share = ramp(c, law)
+    if share == 0.0:
+        return 0.0
+    strength = yield_strength(pressure, c, shear_rate, law)
+    return share * yielding_viscosity(strength, shear_rate, law)
+
+
+@kernel
+def smooth_viscosity(i, eddies, matter, law):
+    """Return the viscosity of particle i but for its strength, Pa s: Newtonian, eddies, slurry."""
+    c, newtonian = matter.concentration[i], matter.viscosity[i] + eddies
+    return newtonian + ramp(c, law) * consistency_viscosity(c, matter.shear_rate[i], law)
+
+
+@kernel
+def exchange_row_at(i, dt, matter, law, near, solid, system, right):
+    """Write row i of the implicit exchange of momentum after the pressure projection.
+
+    rho_i u_i + dt sum of K_ij (u_i - u_j) = rho_i u**_i
+        K_ij = (2 Ds / (lambda n0)) w eta_ij
+
+    eta_ij is the harmonic mean of :func:`smooth_viscosity` plus :func:`strength_viscosity` at the
+    pair's mean pressure, shear rate and lesser concentration.  K is symmetric:
+    what one particle loses the other gains.
+    Coefficients are taken at the velocities given, one pass.  Walls and inflow have their own
+    velocity; a wall's is mirrored as in
+    :func:`debrisflow.neighbors.wall_access.wall_velocity_difference`, and with a free-slip wall
+    nothing is exchanged.  With a rough wall turbulence exchanges nothing here: that is the law of
+    the wall, see :mod:`debrisflow.physics.wall_friction`.  Between the lowest two rows the pairs
+    that would reach into the wall are missing, so that a profile of even viscosity rises there by
+    half more than it should.
+    """
+    factor = laplacian_factor(near)
+    velocity, density, c = matter.velocity, matter.density, matter.concentration
+    shear_rate, grain_pressure = matter.shear_rate, matter.grain_pressure
+    mu_i = smooth_viscosity(i, matter.turbulent_viscosity[i], matter, law)
+    bare = smooth_viscosity(i, 0.0, matter, law)
+    diagonal, entries = density[i], 0
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(near.fluid_count[i]):
+        j, _, _, _, inverse = fluid_pair(i, k, near)
+        if j < near.supply_from:
+            mu_j = smooth_viscosity(j, matter.turbulent_viscosity[j], matter, law)
+            p = 0.5 * (grain_pressure[i] + grain_pressure[j])
+            rate = 0.5 * (shear_rate[i] + shear_rate[j])
+            eta = harmonic_mean(mu_i, mu_j) + strength_viscosity(p, min(c[i], c[j]), rate, law)
+            coupling = dt * factor * weight(inverse, near) * eta
+            system.columns[i, entries], system.value[i, entries] = j, coupling
+            entries += coupling > 0.0
+        else:
+            coupling = dt * factor * weight(inverse, near) * mu_i
+            x += coupling * velocity[j, 0]
+            y += coupling * velocity[j, 1]
+            z += coupling * velocity[j, 2]
+        diagonal += coupling
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        p = grain_pressure[i]
+        if k < near.pressed_count[i]:
+            p = 0.5 * (p + grain_pressure[near.wall_from + j])
+        eta = bare if solid.roughness[j] > 0.0 else mu_i
+        eta += strength_viscosity(p, c[i], shear_rate[i], law)
+        eta *= wall_factor(height_over(dx, dy, dz, j, solid), j, solid, near)
+        coupling = dt * factor * weight(inverse, near) * eta * (1.0 - solid.slip[j])
+        wall_u, wall_v, wall_w = velocity_of(j, solid.velocity)
+        x, y, z = x + coupling * wall_u, y + coupling * wall_v, z + coupling * wall_w
+        diagonal += coupling
+    system.entries[i] = entries
+    system.diagonal[i] = diagonal
+    right[i, 0] = density[i] * velocity[i, 0] + x
+    right[i, 1] = density[i] * velocity[i, 1] + y
+    right[i, 2] = density[i] * velocity[i, 2] + z
+
+
+@kernel
+def _assemble(first, last, dt, matter, law, near, solid, system, right):
+    for i in range(first, last):
+        exchange_row_at(i, dt, matter, law, near, solid, system, right)
+
+
+@loop
+def assemble_exchange(dt, matter, law, near, solid, system, right):
+    """Write the implicit exchange of momentum for every fluid particle.
+
+    A neighbor whose velocity is given has a part in the right side, (n, 3) float64 array.
+    """
+    n = near.supply_from
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _assemble(first, last, dt, matter, law, near, solid, system, right)
 
 
 class Flow(NamedTuple):
@@ -191,20 +290,19 @@ def pair_viscosity(i, j, rate, flow, law):
 
 
 @kernel
-def wall_drag_at(i, fluid, solid, near, flow, law, down, numbers):
+def wall_drag_at(i, velocity, near, solid, flow, law, down):
     """Return the sum of ``(2 Ds/n0) w/r^2 mu_ij`` over the no-slip walls of particle i.
 
     Times the factor by which the velocity is mirrored, in kg/(m3 s).  The strength on the wall is
     that at the depth between the two, at the shear rate of a straight profile down to the wall.
     """
     drag = 0.0
-    u, v, w = fluid.velocity[i, 0], fluid.velocity[i, 1], fluid.velocity[i, 2]
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     gradient = gradient_of(i, flow.gradient)
     for k in range(near.wall_count[i]):
-        j = np.uint32(near.wall[near.wall_row[i], k])
-        dx, dy, dz = separation(i, j, fluid.position, solid.position, near.period)
+        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
         height = height_over(dx, dy, dz, j, solid)
-        per_height = 1.0 / max(height, 0.5 * numbers.spacing)
+        per_height = 1.0 / max(height, 0.5 * near.spacing)
         du, dv, dw = per_height * u, per_height * v, per_height * w
         nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
         rate = pair_shear_rate(gradient, gradient, nx, ny, nz, 1.0, du, dv, dw)
@@ -213,49 +311,45 @@ def wall_drag_at(i, fluid, solid, near, flow, law, down, numbers):
         mu = yielding_viscosity(flow.ramp[i] * strength, rate, law)
         mu += flow.ramp[i] * mean_power_law_viscosity(i, i, flow.consistency, rate, law)
         mu += flow.viscosity[i]
-        mu *= wall_factor(height, j, solid, numbers) * (1.0 - solid.slip[j])
-        drag += coupling_weight(inverse_distance(dx, dy, dz, numbers), numbers) * mu
+        mu *= wall_factor(height, j, solid, near) * (1.0 - solid.slip[j])
+        drag += coupling_weight(inverse, near) * mu
     return drag
 
 
 @kernel
-def _add_images(i, fluid, near, mirrors, numbers, value):
+def _add_images(i, near, mirrors, value):
     for k in range(near.fluid_count[i]):
-        j = np.uint32(near.fluid[i, k])
-        dx, dy, dz = separation(i, j, fluid.position, fluid.position, near.period)
-        w = coupling_weight(inverse_distance(dx, dy, dz, numbers), numbers)
+        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        w = coupling_weight(inverse, near)
         if w > 0.0:
-            value[i, k] *= np.float32(1.0 + image_weight(i, j, dx, dy, dz, mirrors, numbers) / w)
+            value[i, k] *= np.float32(1.0 + image_weight(i, j, dx, dy, dz, mirrors, near) / w)
 
 
 @kernel
 def _couple_momentum(
-    first, last, dt, fluid, solid, near, flow, mirrors, law, down, numbers, value, diagonal
+    first, last, dt, velocity, near, solid, flow, mirrors, law, down, value, diagonal
 ):
-    velocity = fluid.velocity
     for i in range(first, last):
         u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
         gradient = gradient_of(i, flow.gradient)
         for k in range(near.fluid_count[i]):
-            j = np.uint32(near.fluid[i, k])
-            dx, dy, dz = separation(i, j, fluid.position, fluid.position, near.period)
-            inverse = inverse_distance(dx, dy, dz, numbers)
+            j, dx, dy, dz, inverse = fluid_pair(i, k, near)
             du, dv, dw = velocity[j, 0] - u, velocity[j, 1] - v, velocity[j, 2] - w
             other = gradient_of(j, flow.gradient)
             rate = pair_shear_rate(gradient, other, dx, dy, dz, inverse, du, dv, dw)
             mu = pair_viscosity(i, j, rate, flow, law)
-            value[i, k] = np.float32(dt * coupling_weight(inverse, numbers) * mu)
-        if mirrors.height[i] < numbers.effective_radius:
-            _add_images(i, fluid, near, mirrors, numbers, value)
+            value[i, k] = np.float32(dt * coupling_weight(inverse, near) * mu)
+        if mirrors.height[i] < near.effective_radius:
+            _add_images(i, near, mirrors, value)
         total = 0.0
         for k in range(near.fluid_count[i]):
             total += value[i, k]
-        drag = wall_drag_at(i, fluid, solid, near, flow, law, down, numbers)
+        drag = wall_drag_at(i, velocity, near, solid, flow, law, down)
         diagonal[i] = flow.density[i] + total + dt * drag
 
 
 @loop
-def couple_momentum(dt, fluid, solid, near, flow, mirrors, law, down, numbers, couplings):
+def couple_momentum(dt, velocity, near, solid, flow, mirrors, law, down, couplings):
     """Write the rows of the implicit exchange of momentum.
 
         rho_i u_i + dt sum of K_ij (u_i - u_j) = rho_i u*_i,
@@ -272,151 +366,13 @@ def couple_momentum(dt, fluid, solid, near, flow, mirrors, law, down, numbers, c
             first,
             last,
             dt,
-            fluid,
-            solid,
+            velocity,
             near,
+            solid,
             flow,
             mirrors,
             law,
             down,
-            numbers,
             couplings.value,
             couplings.diagonal,
         )
-
-
-@kernel
-def _couple_grains(first, last, fluid, near, c, gravity, numbers, couplings, right):
-    for i in range(first, last):
-        diagonal, pushed = 0.0, 0.0
-        for k in range(near.fluid_count[i]):
-            j = np.uint32(near.fluid[i, k])
-            dx, dy, dz = separation(i, j, fluid.position, fluid.position, near.period)
-            inverse = inverse_distance(dx, dy, dz, numbers)
-            inside = 1.0 if weight(inverse, numbers) > 0.0 else 0.0
-            a = inside * numbers.spacing**3 * inverse * inverse * inverse
-            couplings.value[i, k] = np.float32(a)
-            diagonal += couplings.value[i, k]
-            fall = gravity[0] * dx + gravity[1] * dy + gravity[2] * dz
-            pushed -= couplings.value[i, k] * 0.5 * (c[i] + c[j]) * fall
-        couplings.diagonal[i] = max(diagonal, 1e-6)
-        right[i, 0] = pushed
-
-
-@loop
-def couple_grains(fluid, near, c, submerged_gravity, numbers, couplings, right):
-    """Write the static balance of the buoyant grains, and its right side, (n, 1) float64 array.
-
-        sum of a_ij [ (p_j - p_i) - b_ij . r_ij ] = 0,   a_ij = (d0 / r)^3,
-        b_ij = (C_i + C_j)/2 (rho_s - rho_l) g
-
-    As :func:`debrisflow.physics.grain_pressure.grain_pressure_row_at` says.  Walls are left out:
-    the pressure of what the wall would hold is that which the balance asks for.
-    """
-    n = couplings.diagonal.size
-    for block in prange((n + BLOCK - 1) // BLOCK):
-        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
-        _couple_grains(first, last, fluid, near, c, submerged_gravity, numbers, couplings, right)
-
-
-@kernel
-def _apply(first, last, couplings, near, p, q):
-    """Write ``q = A p``, 0 where x is given, and return the inner product of both."""
-    inner = 0.0
-    for i in range(first, last):
-        if p.shape[1] == 3:
-            x, y, z = 0.0, 0.0, 0.0
-            for k in range(near.fluid_count[i]):
-                j = np.uint32(near.fluid[i, k])
-                a = couplings.value[i, k]
-                x, y, z = x + a * p[j, 0], y + a * p[j, 1], z + a * p[j, 2]
-            q[i, 0] = couplings.diagonal[i] * p[i, 0] - x
-            q[i, 1] = couplings.diagonal[i] * p[i, 1] - y
-            q[i, 2] = couplings.diagonal[i] * p[i, 2] - z
-        else:
-            x = 0.0
-            for k in range(near.fluid_count[i]):
-                x += couplings.value[i, k] * p[np.uint32(near.fluid[i, k]), 0]
-            q[i, 0] = couplings.diagonal[i] * p[i, 0] - x
-        for a in range(p.shape[1]):
-            q[i, a] = q[i, a] if couplings.is_free[i] else 0.0
-            inner += p[i, a] * q[i, a]
-    return inner
-
-
-@loop
-def _multiply(couplings, near, p, q, partial):
-    n = p.shape[0]
-    for block in prange(partial.shape[0]):
-        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
-        partial[block, 0] = _apply(first, last, couplings, near, p, q)
-
-
-@loop
-def _begin(couplings, right, x, rest, p):
-    """Write the residual, from ``rest = A x``, and the step p of Jacobi's iteration."""
-    for i in prange(x.shape[0]):
-        for a in range(x.shape[1]):
-            r = right[i, a] - rest[i, a] if couplings.is_free[i] else 0.0
-            rest[i, a] = r
-            p[i, a] = r / couplings.diagonal[i]
-
-
-@loop
-def _advance(couplings, alpha, p, q, x, rest, partial):
-    """Go on by alpha along p, q = A p; write the sums of ``rest^2`` and of ``rest z`` by blocks."""
-    n = x.shape[0]
-    for block in prange(partial.shape[0]):
-        square, inner = 0.0, 0.0
-        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, n)):
-            for a in range(x.shape[1]):
-                x[i, a] += alpha * p[i, a]
-                r = rest[i, a] - alpha * q[i, a]
-                rest[i, a] = r
-                square += r * r
-                inner += r * r / couplings.diagonal[i]
-        partial[block, 0] = square
-        partial[block, 1] = inner
-
-
-@loop
-def _turn(couplings, rest, beta, p):
-    for i in prange(p.shape[0]):
-        for a in range(p.shape[1]):
-            p[i, a] = rest[i, a] / couplings.diagonal[i] + beta * p[i, a]
-
-
-@kernel
-def solve(couplings, near, right, goal, most, x):
-    """Solve for x, (n, m) float64 array, by conjugate gradients from the start that it holds.
-
-    A first step of Jacobi's iteration takes a particle that touches nothing to its solution,
-    however few such there are; the criterion, a mean, would not see them.  Then until the sum of
-    the squared residual is not above the goal.  Sums run over blocks of a fixed size, so that the
-    result has the same bits on any number of threads.
-
-    Returns
-    -------
-    int
-        Iterations, or -1 if ``most`` did not suffice.
-    """
-    partial = np.zeros(((x.shape[0] + BLOCK - 1) // BLOCK, 2))
-    rest, p, q = np.empty_like(x), np.empty_like(x), np.empty_like(x)
-    _multiply(couplings, near, x, rest, partial)
-    _begin(couplings, right, x, rest, p)
-    _multiply(couplings, near, p, q, partial)
-    _advance(couplings, 1.0, p, q, x, rest, partial)
-    square, inner, beta = partial[:, 0].sum(), partial[:, 1].sum(), 0.0
-    for iteration in range(1, most + 1):
-        if square <= goal:
-            return iteration
-        _turn(couplings, rest, beta, p)
-        _multiply(couplings, near, p, q, partial)
-        curvature = partial[:, 0].sum()
-        if not curvature > 0.0:
-            return -1
-        _advance(couplings, inner / curvature, p, q, x, rest, partial)
-        square, last = partial[:, 0].sum(), inner
-        inner = partial[:, 1].sum()
-        beta = inner / last
-    return -1

@@ -1,0 +1,134 @@
+"""Linear systems over the pairs of a fluid, one coefficient a listed neighbor."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from debrisflow._jit import kernel, loop
+from debrisflow.neighbors.pairs import BLOCK
+
+Floats = NDArray[np.float64]
+
+
+class Couplings(NamedTuple):
+    """Rows ``diagonal_i x_i - sum of value_ij x_j`` over the fluid neighbors of each particle.
+
+    Attributes
+    ----------
+    value : (n, capacity) float32 array
+        In the order of the list of neighbors.
+    diagonal : (n,) float64 array
+    is_free : (n,) bool array
+        False where x is given.
+    """
+
+    value: NDArray[np.float32]
+    diagonal: Floats
+    is_free: NDArray[np.bool_]
+
+
+@kernel
+def _apply(first, last, couplings, near, p, q):
+    """Write ``q = A p``, 0 where x is given, and return the inner product of both."""
+    inner = 0.0
+    for i in range(first, last):
+        if p.shape[1] == 3:
+            x, y, z = 0.0, 0.0, 0.0
+            for k in range(near.fluid_count[i]):
+                j = np.uint32(near.neighbors[i, k])
+                a = couplings.value[i, k]
+                x, y, z = x + a * p[j, 0], y + a * p[j, 1], z + a * p[j, 2]
+            q[i, 0] = couplings.diagonal[i] * p[i, 0] - x
+            q[i, 1] = couplings.diagonal[i] * p[i, 1] - y
+            q[i, 2] = couplings.diagonal[i] * p[i, 2] - z
+        else:
+            x = 0.0
+            for k in range(near.fluid_count[i]):
+                x += couplings.value[i, k] * p[np.uint32(near.neighbors[i, k]), 0]
+            q[i, 0] = couplings.diagonal[i] * p[i, 0] - x
+        for a in range(p.shape[1]):
+            q[i, a] = q[i, a] if couplings.is_free[i] else 0.0
+            inner += p[i, a] * q[i, a]
+    return inner
+
+
+@loop
+def _multiply(couplings, near, p, q, partial):
+    n = p.shape[0]
+    for block in prange(partial.shape[0]):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        partial[block, 0] = _apply(first, last, couplings, near, p, q)
+
+
+@loop
+def _begin(couplings, right, x, rest, p):
+    """Write the residual, from ``rest = A x``, and the step p of Jacobi's iteration."""
+    for i in prange(x.shape[0]):
+        for a in range(x.shape[1]):
+            r = right[i, a] - rest[i, a] if couplings.is_free[i] else 0.0
+            rest[i, a] = r
+            p[i, a] = r / couplings.diagonal[i]
+
+
+@loop
+def _advance(couplings, alpha, p, q, x, rest, partial):
+    """Go on by alpha along p, q = A p; write the sums of ``rest^2`` and of ``rest z`` by blocks."""
+    n = x.shape[0]
+    for block in prange(partial.shape[0]):
+        square, inner = 0.0, 0.0
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, n)):
+            for a in range(x.shape[1]):
+                x[i, a] += alpha * p[i, a]
+                r = rest[i, a] - alpha * q[i, a]
+                rest[i, a] = r
+                square += r * r
+                inner += r * r / couplings.diagonal[i]
+        partial[block, 0] = square
+        partial[block, 1] = inner
+
+
+@loop
+def _turn(couplings, rest, beta, p):
+    for i in prange(p.shape[0]):
+        for a in range(p.shape[1]):
+            p[i, a] = rest[i, a] / couplings.diagonal[i] + beta * p[i, a]
+
+
+@kernel
+def solve(couplings, near, right, goal, most, x):
+    """Solve for x, (n, m) float64 array, by conjugate gradients from the start that it holds.
+
+    A first step of Jacobi's iteration takes a particle that touches nothing to its solution,
+    however few such there are; the criterion, a mean, would not see them.  Then until the sum of
+    the squared residual is not above the goal.  Sums run over blocks of a fixed size, so that the
+    result has the same bits on any number of threads.
+
+    Returns
+    -------
+    int
+        Iterations, or -1 if ``most`` did not suffice.
+    """
+    partial = np.zeros(((x.shape[0] + BLOCK - 1) // BLOCK, 2))
+    rest, p, q = np.empty_like(x), np.empty_like(x), np.empty_like(x)
+    _multiply(couplings, near, x, rest, partial)
+    _begin(couplings, right, x, rest, p)
+    _multiply(couplings, near, p, q, partial)
+    _advance(couplings, 1.0, p, q, x, rest, partial)
+    square, inner, beta = partial[:, 0].sum(), partial[:, 1].sum(), 0.0
+    for iteration in range(1, most + 1):
+        if square <= goal:
+            return iteration
+        _turn(couplings, rest, beta, p)
+        _multiply(couplings, near, p, q, partial)
+        curvature = partial[:, 0].sum()
+        if not curvature > 0.0:
+            return -1
+        _advance(couplings, inner / curvature, p, q, x, rest, partial)
+        square, last = partial[:, 0].sum(), inner
+        inner = partial[:, 1].sum()
+        beta = inner / last
+    return -1

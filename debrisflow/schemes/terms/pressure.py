@@ -1,0 +1,103 @@
+"""The pressure of an incompressible fluid: its equation, and the correction by its gradient."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from debrisflow.case import tables
+from debrisflow.errors import NotConvergedError
+from debrisflow.physics import pressure
+from debrisflow.schemes.linear import Solver, remove_mean
+from debrisflow.schemes.system import SystemRoom
+from debrisflow.schemes.terms.term import Step, Term
+
+
+class PressureEquation(Term):
+    """The pressure Poisson equation, whose solution makes the velocity free of divergence.
+
+    Parameters
+    ----------
+    scheme : Scheme
+    dimension : int
+    room : SystemRoom
+    """
+
+    name = "pressure equation"
+
+    def __init__(self, scheme: tables.Scheme, dimension: int, room: SystemRoom) -> None:
+        self._room = room
+        is_symmetric = scheme.interface == "symmetric"
+        self._interface = (
+            pressure.symmetric_interface(dimension)
+            if is_symmetric
+            else pressure.study_interface(dimension)
+        )
+        self.surface = (
+            pressure.FreeSurface(lower=0.8, upper=0.97, asymmetry=0.1)
+            if scheme.free_surface == "asymmetry"
+            else pressure.FreeSurface(lower=0.97, upper=0.97, asymmetry=np.inf)
+        )
+        self._density_rate = 1.0 / scheme.density_relaxation if scheme.density_relaxation else 0.0
+        self._disorder = pressure.DISORDER if scheme.gradient == "sum" else 0.0
+        self.solver = Solver(scheme.tolerance, is_symmetric)
+
+    def refresh(self) -> None:
+        """Forget the coarse levels of the solver."""
+        self.solver.forget()
+
+    def act(self, step: Step) -> None:
+        """Find the pressure of fluid, supply and walls, and who is on the free surface."""
+        scene, p, m = step.scene, step.particles, step.particles.unknown_count
+        system = self._room.fit(scene.near.neighbors.shape)
+        pressure.assemble(
+            step.velocity,
+            p.density,
+            scene.near,
+            scene.solid,
+            self.surface,
+            self._interface,
+            pressure.Source(step.dt, self._density_rate, self._disorder),
+            system,
+            p.number_density[:m],
+            p.on_free_surface[:m],
+        )
+        has_no_surface = remove_mean(system)
+        step.iterations = self.solver.solve(system, step.pressure)
+        if step.iterations < 0:
+            raise NotConvergedError("the pressure equation")
+        if has_no_surface:
+            # the pressure of a full, closed domain is known up to a constant
+            step.pressure -= step.pressure.min()
+        np.maximum(step.pressure, 0.0, out=step.pressure)
+
+
+class PressureGradient(Term):
+    """``u - dt grad p / rho``: the sum form, or the study's equation (4).
+
+    Parameters
+    ----------
+    is_conservative : bool
+        Whether the gradient is the sum form.
+    """
+
+    name = "pressure gradient"
+
+    def __init__(self, is_conservative: bool) -> None:
+        self._is_conservative = is_conservative
+
+    def act(self, step: Step) -> None:
+        """Subtract the pressure gradient from the velocity of the fluid particles."""
+        scene, p, excess = step.scene, step.particles, step.pressure
+        if not self._is_conservative:
+            least = np.empty(step.pressure.size)
+            pressure.least_pressure(step.pressure, scene.near, scene.solid, least)
+            excess = step.pressure - least
+        pressure.correct(
+            step.dt,
+            excess,
+            p.density,
+            self._is_conservative,
+            scene.near,
+            scene.solid,
+            step.velocity[p.fluid],
+        )

@@ -1,0 +1,151 @@
+"""Who is near whom at a step, and when the lists are built anew."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import tables
+from debrisflow.neighbors.lattice import Reference
+from debrisflow.neighbors.lists import FixedNeighbors, Neighbors, group
+from debrisflow.neighbors.pairs import Near
+from debrisflow.neighbors.wall_access import Solid
+from debrisflow.particles.record import Particles
+from debrisflow.schemes.wall_surface import solid_of
+from debrisflow.space.domain import Domain
+
+Floats = NDArray[np.float64]
+LEAST_SKIN, GREATEST_SKIN = 0.15, 0.6  # spacings
+
+
+class Vicinity(Protocol):
+    """Neighbors of the particles of a run.
+
+    Attributes
+    ----------
+    near : Near
+    solid : Solid
+    """
+
+    near: Near
+    solid: Solid
+
+    def update(self, particles: Particles, is_fresh: bool) -> None:
+        """Bring the lists up to the places of the particles; build them anew if ``is_fresh``."""
+
+
+class OneList:
+    """Fluid, supply and walls in one list: walls carry a pressure and see their neighbors too."""
+
+    near: Near
+    solid: Solid
+
+    def __init__(self, case: tables.Case, lattice: Reference, domain: Domain) -> None:
+        self._case, self._lattice, self._period = case, lattice, domain.period
+        self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
+        self._has_walls = False
+
+    def update(self, particles: Particles, is_fresh: bool) -> None:
+        """See :class:`Vicinity`."""
+        p, rows = particles, particles.unknown_count
+        if not self._has_walls:
+            self.solid, self._has_walls = solid_of(p, self._case), True
+        if is_fresh or self._lists.is_stale(p.position, rows):
+            self._lists.build(p.position, rows)
+            self._moving, self._pressed = np.empty((2, rows), dtype=np.int32)
+            group(
+                self._lists.index,
+                self._lists.count,
+                p.moving.stop,
+                rows,
+                self._moving,
+                self._pressed,
+            )
+        self.near = _near(
+            self._lattice,
+            self._period,
+            p,
+            position=p.position,
+            neighbors=self._lists.index,
+            fluid_count=self._moving,
+            wall=self._lists.index,
+            wall_row=np.arange(rows, dtype=np.int32),
+            wall_start=self._moving,
+            wall_count=self._lists.count - self._moving,
+            pressed_count=self._pressed,
+            wall_from=p.moving.stop,
+        )
+
+
+class TwoLists:
+    """Fluid and supply in one list, and walls, which are sorted once, in another."""
+
+    near: Near
+    solid: Solid
+
+    def __init__(self, case: tables.Case, lattice: Reference, domain: Domain) -> None:
+        self._case, self._lattice, self._period = case, lattice, domain.period
+        self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
+        self._walls: FixedNeighbors | None = None
+
+    def choose_skin(self, path: float) -> None:
+        """Weigh building lists often against passing over many neighbors out of reach.
+
+        A wide skin costs the sums some (r_e + skin)^2 a spacing, a list lasts for skin / (2 m)
+        steps where the fastest particle moves by m spacings in one: the least of both lies at
+        1.4 sqrt(m).
+
+        Parameters
+        ----------
+        path : float
+            m.
+        """
+        self._skin = min(max(1.4 * np.sqrt(path), LEAST_SKIN), GREATEST_SKIN)
+
+    def update(self, particles: Particles, is_fresh: bool) -> None:
+        """See :class:`Vicinity`."""
+        p, position = particles, particles.position[particles.moving]
+        if self._walls is None:
+            self.solid = solid_of(p, self._case)
+            self._walls = FixedNeighbors(
+                self.solid.position,
+                self._lattice.effective_radius,
+                self._lattice.spacing,
+                self._period,
+                GREATEST_SKIN,
+            )
+        if is_fresh or self._lists.is_stale(position, p.moving.stop):
+            self._lists.set_skin(self._skin)
+            self._walls.set_skin(self._skin)
+            self._lists.build(position, p.moving.stop)
+            self._walls.build(position)
+        self.near = _near(
+            self._lattice,
+            self._period,
+            p,
+            position=position,
+            neighbors=self._lists.index,
+            fluid_count=self._lists.count,
+            wall=self._walls.index,
+            wall_row=self._walls.row,
+            wall_start=None,
+            wall_count=self._walls.count,
+            pressed_count=None,
+            wall_from=0,
+        )
+
+
+def _near(lattice: Reference, period: Floats, particles: Particles, **lists: Any) -> Near:
+    inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
+    return Near(
+        supply_from=particles.fluid_count,
+        period=np.stack([period, inverse]) if period.any() else None,
+        spacing=lattice.spacing,
+        effective_radius=lattice.effective_radius,
+        dimension=float(lattice.dimension),
+        number_density=lattice.number_density,
+        laplacian_lambda=lattice.laplacian_lambda,
+        **lists,
+    )
