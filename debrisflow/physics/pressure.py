@@ -18,7 +18,7 @@ from debrisflow.physics.operators import (
 )
 
 DISORDER = 6.0
-"""Factor of the disorder term with the sum gradient, see :func:`pressure_row_at`."""
+"""Factor of the disorder term with the sum gradient, see :func:`source_at`."""
 
 
 class FreeSurface(NamedTuple):
@@ -157,32 +157,34 @@ def source_sums_at(i, velocity, near, solid):
 def coefficients_at(i, density, near, solid, interface, system):
     """Write the coefficients of row i; return how many, their sum, and whether fluid is among them.
 
-    A_ij = (r_e / r^3) (own / rho_i + other / rho_j + mean 2 / (rho_i + rho_j))
+        A_ij = (r_e / r^3) (own / rho_i + other / rho_j + mean 2 / (rho_i + rho_j))
+
+    Pairs beyond the influence radius have no entry: the solver reads each one many times.
     """
     rho, diagonal, entries, wet = density[i], 0.0, 0, i < near.supply_from
     for k in range(near.fluid_count[i]):
         j, _, _, _, inverse = fluid_pair(i, k, near)
-        q = higher_order_weight(inverse, near)
-        a = q * interface_coefficient(rho, density[j], interface)
-        system.columns[i, entries], system.value[i, entries] = j, a
-        diagonal += a
-        entries += q > 0.0
-        wet = wet or (q > 0.0 and j < near.supply_from)
+        if near.effective_radius * inverse > 1.0:
+            q = higher_order_weight(inverse, near)
+            a = q * interface_coefficient(rho, density[j], interface)
+            system.columns[i, entries], system.value[i, entries] = j, a
+            diagonal += a
+            entries += 1
+            wet = wet or j < near.supply_from
     for k in range(near.pressed_count[i]):
         j, _, _, _, inverse = wall_pair(i, k, near, solid)
-        q = higher_order_weight(inverse, near)
-        a = q * interface_coefficient(rho, density[near.wall_from + j], interface)
-        system.columns[i, entries], system.value[i, entries] = near.wall_from + j, a
-        diagonal += a
-        entries += q > 0.0
+        if near.effective_radius * inverse > 1.0:
+            q = higher_order_weight(inverse, near)
+            a = q * interface_coefficient(rho, density[near.wall_from + j], interface)
+            system.columns[i, entries], system.value[i, entries] = near.wall_from + j, a
+            diagonal += a
+            entries += 1
     return entries, diagonal, wet
 
 
 @kernel
-def pressure_row_at(
-    i, velocity, density, near, solid, surface, interface, source, system, n, on_free_surface
-):
-    """Write row i of the pressure equation, n_i and whether i is on the free surface.
+def source_at(i, velocity, density, near, solid, surface, source, system, n, on_free_surface):
+    """Write the right side of row i, n_i, and what its disorder adds to the diagonal.
 
         (1/n0) sum of A_ij (p_j - p_i)  -  (6 / (n0 rho_i)) a_i . b_i p_i
             = (1/(n0 dt)) [ sum of (r_e / r^3) r_ij . u*_ij - (n - n0) / tau ]
@@ -213,30 +215,36 @@ def pressure_row_at(
     doi:10.1016/j.apor.2010.01.001 (Laplacian).
     """
     n0 = near.number_density
-    sums = source_sums_at(i, velocity, near, solid)
-    n[i], asymmetry, divergence, disorder = sums
-    entries, diagonal, wet = coefficients_at(i, density, near, solid, interface, system)
+    n[i], asymmetry, divergence, disorder = source_sums_at(i, velocity, near, solid)
     on_free_surface[i] = is_on_free_surface(n[i] / n0, asymmetry / n0, surface)
-    if on_free_surface[i] or not wet or diagonal <= 0.0:
-        system.entries[i], system.diagonal[i], system.right[i] = 0, 1.0, 0.0
-        return
+    system.right[i] = (source.density_rate * (n[i] - n0) - divergence) / source.dt
+    system.diagonal[i] = 0.0
     if i < near.supply_from and n[i] > surface.upper * n0:
         # near the surface the sums lack neighbors and do not tell disorder
         spread = gradient_factor(near) * disorder
-        diagonal += source.disorder * max(spread, 0.0) / density[i]
-    system.entries[i] = entries
-    system.diagonal[i] = diagonal
-    system.right[i] = (source.density_rate * (n[i] - n0) - divergence) / source.dt
+        system.diagonal[i] = source.disorder * max(spread, 0.0) / density[i]
+
+
+@kernel
+def left_side_at(i, density, near, solid, interface, system, on_free_surface):
+    """Write the left side of row i after :func:`source_at`; p = 0 where it is given."""
+    entries, diagonal, wet = coefficients_at(i, density, near, solid, interface, system)
+    if on_free_surface[i] or not wet or diagonal <= 0.0:
+        system.entries[i], system.diagonal[i], system.right[i] = 0, 1.0, 0.0
+    else:
+        system.entries[i] = entries
+        system.diagonal[i] += diagonal
 
 
 @kernel
 def _assemble(
     first, last, velocity, density, near, solid, surface, interface, source, system, n, on_surface
 ):
+    # in two loops, which together take two thirds of the time of one: fewer sums at a time
     for i in range(first, last):
-        pressure_row_at(
-            i, velocity, density, near, solid, surface, interface, source, system, n, on_surface
-        )
+        source_at(i, velocity, density, near, solid, surface, source, system, n, on_surface)
+    for i in range(first, last):
+        left_side_at(i, density, near, solid, interface, system, on_surface)
 
 
 @kernel
