@@ -15,13 +15,18 @@ from debrisflow.schemes.scheme import Scheme
 from debrisflow.schemes.terms.collision_stress import MixtureCollisions
 from debrisflow.schemes.terms.concentration import Concentration
 from debrisflow.schemes.terms.density import Density
+from debrisflow.schemes.terms.eddies import Eddies
 from debrisflow.schemes.terms.forces import Forces
-from debrisflow.schemes.terms.mixture_exchange import MixtureExchange, MixtureGrainPressure
+from debrisflow.schemes.terms.grain_pressure import MixtureGrainPressure
+from debrisflow.schemes.terms.momentum_exchange import MomentumExchange
 from debrisflow.schemes.terms.motion import Motion
 from debrisflow.schemes.terms.shear import Shear
 from debrisflow.schemes.terms.term import Term
 from debrisflow.schemes.terms.viscosity import MixtureViscosity
 from debrisflow.schemes.vicinity import TwoLists
+
+RESIDUAL = 0.01
+"""Share of gravity that the exchange of momentum may leave out of balance."""
 
 
 class Explicit(Scheme):
@@ -43,7 +48,11 @@ class Explicit(Scheme):
 
     def _terms(self, case: tables.Case, scheme: tables.ExplicitScheme) -> tuple[Term, ...]:
         numbers, is_even = numbers_of(case, self.lattice), len(concentrations(case)) == 1
-        down = numbers.gravity / (float(np.linalg.norm(numbers.gravity)) or 1.0)
+        gravity = numbers.gravity
+        down = gravity / (float(np.linalg.norm(gravity)) or 1.0)
+        # what the artificial viscosity along the line of two particles is in shear
+        kinematic = numbers.artificial_viscosity * numbers.sound_speed * self.lattice.spacing
+        least = numbers.density * kinematic / (case.dimension + 2.0)
         is_implicit, stress = case.strength.law != "none", case.collision_stress
         is_sheared = is_implicit or (stress.enabled and stress.granular_temperature == "algebraic")
         collisions = MixtureCollisions(case, numbers.density, numbers.sound_speed, is_implicit)
@@ -55,10 +64,11 @@ class Explicit(Scheme):
             Concentration(down, is_even),
             Shear() if is_sheared else None,
             collisions if stress.enabled else None,
+            Eddies(case) if is_implicit else None,
             self._density,
             Forces(numbers, is_even, is_viscous=not is_implicit),
-            MixtureGrainPressure(case, numbers, is_even) if has_friction else None,
-            MixtureExchange(case, numbers) if is_implicit else None,
+            MixtureGrainPressure(case, gravity, is_even) if has_friction else None,
+            MomentumExchange(case, gravity, RESIDUAL, least) if is_implicit else None,
             self._motion,
         )
         return tuple(term for term in terms if term is not None)

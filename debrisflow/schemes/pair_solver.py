@@ -9,9 +9,11 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.pairs import BLOCK
+from debrisflow.errors import NotConvergedError
+from debrisflow.neighbors.pairs import BLOCK, Near
 
 Floats = NDArray[np.float64]
+MOST_ITERATIONS = 1000
 
 
 class Couplings(NamedTuple):
@@ -132,3 +134,37 @@ def solve(couplings, near, right, goal, most, x):
         inner = partial[:, 1].sum()
         beta = inner / last
     return -1
+
+
+def couplings_of(near: Near, is_free: NDArray[np.bool_]) -> Couplings:
+    """Return room for the rows of fluid and supply, and which of them are unknowns."""
+    return Couplings(
+        value=np.empty((is_free.size, near.neighbors.shape[1]), dtype=np.float32),
+        diagonal=np.empty(is_free.size),
+        is_free=is_free,
+    )
+
+
+def solve_pairs(
+    name: str, system: Couplings, near: Near, right: Floats, goal: float, x: Floats
+) -> int:
+    """Solve for x, which holds the start, and return the iterations.
+
+    Parameters
+    ----------
+    name : str
+        What is solved, for the error.
+    system : Couplings
+    near : Near
+    right, x : (n, m) float64 array
+    goal : float
+        Sum of the squared residual at which to stop.
+
+    Raises
+    ------
+    NotConvergedError
+    """
+    iterations = int(solve(system, near, right, goal, MOST_ITERATIONS, x))
+    if iterations < 0:
+        raise NotConvergedError(name)
+    return iterations

@@ -13,6 +13,7 @@ from debrisflow.schemes.system import SystemRoom
 from debrisflow.schemes.terms.collision_stress import PhaseCollisions
 from debrisflow.schemes.terms.concentration import Concentration
 from debrisflow.schemes.terms.contact import Contact
+from debrisflow.schemes.terms.eddies import Eddies
 from debrisflow.schemes.terms.grain_pressure import GrainPressure
 from debrisflow.schemes.terms.gravity import Gravity
 from debrisflow.schemes.terms.momentum_exchange import MomentumExchange
@@ -26,6 +27,9 @@ from debrisflow.schemes.terms.wall_friction import WallFriction
 from debrisflow.schemes.vicinity import OneList
 from debrisflow.space.domain import WALL_NAMES
 from debrisflow.space.gravity import gravity_vector
+
+RESIDUAL = 1.0e-3
+"""Share of gravity that the exchange of momentum may leave out of balance."""
 
 
 class SemiImplicit(Scheme):
@@ -61,12 +65,13 @@ class SemiImplicit(Scheme):
             slip,
             Shear() if is_sheared else None,
             NewtonianViscosity(case) if has_strength else ExplicitViscosity(case),
+            Eddies(case) if has_strength else None,
             PhaseCollisions(case, case.water.density, np.inf) if has_collisions else None,
             Contact(scheme.collision_distance * self.lattice.spacing, scheme.collision_restitution),
             self._pressure,
             PressureGradient(is_conservative=scheme.gradient == "sum"),
             GrainPressure(case, gravity, law.ramp_start, room) if law.friction > 0.0 else None,
-            MomentumExchange(case, room) if has_strength else None,
+            MomentumExchange(case, gravity, RESIDUAL) if has_strength else None,
             WallFriction() if is_rough else None,
             Motion(case, self.domain, scheme.courant, slip),
         )

@@ -8,13 +8,16 @@ from numpy.typing import NDArray
 from debrisflow.case import tables
 from debrisflow.case.materials import pore_density
 from debrisflow.errors import NotConvergedError
-from debrisflow.physics.grain_pressure import assemble_grain_pressure
+from debrisflow.physics.grain_pressure import assemble_grain_pressure, couple_grains
 from debrisflow.schemes.linear import Solver
+from debrisflow.schemes.pair_solver import couplings_of, solve_pairs
+from debrisflow.schemes.records import law_of
 from debrisflow.schemes.system import SystemRoom
-from debrisflow.schemes.terms.term import Step, Term
+from debrisflow.schemes.terms.term import Scene, Step, Term
 
 Floats = NDArray[np.float64]
 TOLERANCE = 1.0e-3
+GRAIN_RESIDUAL = 1e-3  # of the weight of the grains, that their static balance leaves
 WEIGHING = 0.5
 """Share of the concentration where strength begins from which on grains weigh on those below.
 
@@ -65,3 +68,53 @@ class GrainPressure(Term):
         if self._solver.solve(system, p.grain_pressure[: p.unknown_count]) < 0:
             raise NotConvergedError("the balance of the grains")
         np.maximum(p.grain_pressure, 0.0, out=p.grain_pressure)
+
+
+class MixtureGrainPressure(Term):
+    """The effective pressure between the grains of a mixture.
+
+    Where all matter is alike it is the share of the pressure that the grains carry; under water
+    that of the static balance of the buoyant grains, as water on a bed adds nothing.  No less than
+    the weight of half a row, which ties the uppermost one.
+
+    Parameters
+    ----------
+    case : Case
+    gravity : (3,) float64 array, m/s2
+    is_even : bool
+        Whether all matter has the same concentration.
+    """
+
+    name = "grain pressure"
+
+    def __init__(self, case: tables.Case, gravity: Floats, is_even: bool) -> None:
+        self._case, self._is_even, self._ramp_start = case, is_even, law_of(case).ramp_start
+        self._gravity = gravity
+
+    def act(self, step: Step) -> None:
+        """Write the pressure between the grains of the mixture."""
+        scene, p, rows = step.scene, step.particles, step.particles.moving
+        g = float(np.linalg.norm(self._gravity))
+        weight, half = grain_weight(scene, self._case, g), 0.5 * scene.near.spacing
+        if self._is_even:
+            share = weight / (p.density[rows] * (g or 1.0))
+            np.maximum(share * step.pressure, half * weight, out=p.grain_pressure[rows])
+            return
+        is_bed = scene.level >= WEIGHING * self._ramp_start
+        surface = p.on_free_surface[rows]
+        system = couplings_of(scene.near, is_bed & ~surface)
+        right = np.empty((rows.stop, 1))
+        excess = (self._case.sediment.density - self._case.water.density) * self._gravity
+        couple_grains(scene.near, scene.level, excess, system, right)
+        pressure = np.where(system.is_free, p.grain_pressure[rows], 0.0)
+        pressure[is_bed & surface] = half * weight[is_bed & surface]
+        goal = GRAIN_RESIDUAL**2 * float(np.sum(right[system.is_free] ** 2))
+        solution = pressure[:, None].copy()
+        solve_pairs("the balance of the grains", system, scene.near, right, goal, solution)
+        np.maximum(solution[:, 0], 0.0, out=p.grain_pressure[rows])
+
+
+def grain_weight(scene: Scene, case: tables.Case, g: float) -> Floats:
+    """Return the weight that the grains carry, N/m3: that less buoyancy, where water is."""
+    pores = pore_density(case.water, case.strength)
+    return np.asarray(scene.level * (case.sediment.density - pores) * g)

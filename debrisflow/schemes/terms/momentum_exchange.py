@@ -1,4 +1,4 @@
-"""Implicit exchange of momentum by viscosity and strength, after the pressure projection."""
+"""Implicit exchange of momentum by viscosity and strength, after all other forces."""
 
 from __future__ import annotations
 
@@ -6,84 +6,110 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import tables
-from debrisflow.errors import NotConvergedError
-from debrisflow.physics.momentum_exchange import Matter, assemble_exchange
-from debrisflow.physics.viscosity import eddy_viscosity
-from debrisflow.schemes.linear import Solver
+from debrisflow.particles.record import Particles
+from debrisflow.physics.images import find_mirrors, no_mirrors
+from debrisflow.physics.momentum_exchange import Flow, couple_momentum, resist
+from debrisflow.physics.rheology import consistency_at
+from debrisflow.schemes.pair_solver import couplings_of, solve_pairs
 from debrisflow.schemes.records import law_of
-from debrisflow.schemes.system import SystemRoom, residual
+from debrisflow.schemes.terms.grain_pressure import grain_weight
 from debrisflow.schemes.terms.term import Scene, Step, Term
-from debrisflow.space.floor import floor_roughness, height_over_floor
 
 Floats = NDArray[np.float64]
-TOLERANCE = 1.0e-5
-"""Tight, because what is left undone is given back to particles that had no part in it."""
+STILL = 1e-3  # of the speed, the gain against which it is measured where nothing else acts
 
 
 class MomentumExchange(Term):
-    """Viscosity, eddies and strength of phases that share one arrangement.
+    """All viscosity and strength, implicitly, so that what does not yield comes to rest.
 
-    Before the projection the same friction would leave the noise of the pressure in the bed and
-    fluidize it.
+    After the pressure projection of the semi-implicit scheme: before it the same friction would
+    leave the noise of the pressure in a bed and fluidize it.
 
     Parameters
     ----------
     case : Case
-    room : SystemRoom
+    gravity : (3,) float64 array, m/s2
+    residual : float
+        Share of gravity that the solution leaves out of balance.
+    least_viscosity : float, Pa s
+        Between two particles.
     """
 
     name = "exchange of momentum"
 
-    def __init__(self, case: tables.Case, room: SystemRoom) -> None:
-        self._case, self._room, self._law = case, room, law_of(case)
-        self._solver = Solver(TOLERANCE)
+    def __init__(
+        self, case: tables.Case, gravity: Floats, residual: float, least_viscosity: float = 0.0
+    ) -> None:
+        self._case, self._law, self._residual = case, law_of(case), residual
+        self._g = float(np.linalg.norm(gravity))
+        self._down = gravity / (self._g or 1.0)
+        self._least_viscosity = least_viscosity
+        self.refresh()
 
     def refresh(self) -> None:
-        """Forget the coarse levels of the solver."""
-        self._solver.forget()
-
-    def observe(self, scene: Scene) -> None:
-        """Find the turbulent viscosity of the fluid, of Prandtl's mixing length over the floor."""
-        p, case = scene.particles, self._case
-        x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
-        self._eddies = np.zeros(p.moving.stop)
-        eddy_viscosity(
-            p.density[p.fluid],
-            np.maximum(height_over_floor(case, x, y, x), 0.5 * scene.near.spacing),
-            floor_roughness(case, x),
-            case.strength.mixing_length,
-            scene.shear_rate,
-            self._eddies[p.fluid],
-        )
+        """Let the next exchange begin without what the last one found."""
+        self._gain = np.zeros((0, 3))
 
     def act(self, step: Step) -> None:
-        """Change the velocity of the fluid particles; their momentum changes at walls alone."""
-        scene, p = step.scene, step.particles
-        n = p.fluid_count
-        if n == 0:
-            return
-        system, right = self._room.fit(scene.near.neighbors.shape), np.zeros((p.unknown_count, 3))
-        system.entries[n:], system.diagonal[n:] = 0, 1.0
-        matter = Matter(
-            velocity=step.velocity,
-            density=p.density,
-            viscosity=scene.viscosity,
-            turbulent_viscosity=self._eddies,
-            concentration=scene.level,
-            shear_rate=scene.shear_rate,
-            grain_pressure=p.grain_pressure,
+        """Exchange momentum; the velocity of the step is that after all other forces."""
+        scene, p, velocity = step.scene, step.particles, step.velocity
+        flow = self._flow(scene)
+        system = couplings_of(scene.near, np.arange(p.moving.stop) < p.fluid_count)
+        mirrors = no_mirrors(p.moving.stop)
+        find_mirrors(scene.near, scene.solid, mirrors)
+        right = flow.density[:, None] * velocity
+        couple_momentum(
+            step.dt,
+            scene.velocity,
+            scene.near,
+            scene.solid,
+            flow,
+            mirrors,
+            self._law,
+            self._down,
+            system,
+            right,
         )
-        assemble_exchange(step.dt, matter, self._law, scene.near, scene.solid, system, right)
-        exchanged, rest = step.velocity.copy(), np.empty(p.unknown_count)
-        for axis in range(self._case.dimension):
-            system.right[:] = right[:, axis]
-            # nearer to the solution than the projected velocity: half the iterations
-            solution = np.zeros(p.unknown_count)
-            solution[p.moving] = scene.velocity[:, axis]
-            if self._solver.solve(system, solution) < 0:
-                raise NotConvergedError("the exchange of momentum")
-            residual(system, system.right, solution, rest)
-            # what the solver left undone is given back evenly, so that none is lost
-            solution[p.fluid] += rest[p.fluid].sum() / p.density[p.fluid].sum()
-            exchanged[p.fluid, axis] = solution[p.fluid]
-        step.velocity = exchanged
+        started = scene.velocity
+        goal = self._goal(step.dt, started, velocity, p)
+        solution = started.copy()
+        solution[p.inflow] = velocity[p.inflow]
+        if self._gain.shape == velocity.shape:
+            # what goes on accelerating as before is found at once
+            solution[p.fluid] += self._gain[p.fluid]
+        iterations = solve_pairs(
+            "the exchange of momentum", system, scene.near, right, goal, solution
+        )
+        step.iterations = step.iterations or iterations
+        self._gain = solution - started
+        step.velocity = solution
+
+    def _goal(self, dt: float, started: Floats, velocity: Floats, p: Particles) -> float:
+        gain, speed = (np.sqrt(np.mean(u**2)) for u in (velocity - started, velocity))
+        scale = dt * self._g or max(gain, STILL * speed)
+        return float((self._residual * scale) ** 2 * np.sum(p.density[p.fluid] ** 2))
+
+    def _flow(self, scene: Scene) -> Flow:
+        p, rows, level = scene.particles, scene.particles.moving, scene.level
+        strength, deepening, ramp = np.empty((3, rows.stop))
+        flow = Flow(
+            density=p.density[rows],
+            concentration=level,
+            consistency=consistency_at(level, self._law) if self._law.consistency > 0.0 else None,
+            viscosity=scene.viscosity,
+            eddies=scene.eddies,
+            strength=strength,
+            deepening=deepening,
+            ramp=ramp,
+            shear_rate=scene.shear_rate,
+            gradient=scene.gradient,
+            least_viscosity=self._least_viscosity,
+        )
+        resist(
+            p.grain_pressure[rows],
+            grain_weight(scene, self._case, self._g),
+            scene.near.spacing,
+            self._law,
+            flow,
+        )
+        return flow

@@ -33,7 +33,10 @@ class Scene:
         Velocity gradient by rows.
     shear_rate : (moving particles,) float64 array, 1/s
     viscosity : (moving particles,) float64 array, Pa s
-        Newtonian viscosity of the matter, and in three dimensions that of colliding grains.
+        Newtonian viscosity of the matter, and what terms add: that of eddies, and in three
+        dimensions that of colliding grains.
+    eddies : (moving particles,) float64 array, Pa s
+        That of eddies alone.
     collision_acceleration : (fluid particles, 3) float64 array, m/s2
         Of colliding grains, without rows where there are none.
     """
@@ -46,6 +49,7 @@ class Scene:
     gradient: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 9), np.float32))
     shear_rate: Floats = field(default_factory=lambda: np.zeros(0))
     viscosity: Floats = field(default_factory=lambda: np.zeros(0))
+    eddies: Floats = field(default_factory=lambda: np.zeros(0))
     collision_acceleration: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property

@@ -1,0 +1,52 @@
+"""Turbulence: the eddy viscosity of Prandtl's mixing length."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import tables
+from debrisflow.physics.viscosity import eddy_viscosity
+from debrisflow.schemes.terms.term import Scene, Term
+from debrisflow.space.floor import floor_roughness, height_over_floor
+
+Floats = NDArray[np.float64]
+
+
+class Eddies(Term):
+    """The viscosity of eddies, whose mixing length a rough floor limits in two dimensions.
+
+    Parameters
+    ----------
+    case : Case
+    """
+
+    name = "eddies"
+
+    def __init__(self, case: tables.Case) -> None:
+        self._case, self._length = case, case.strength.mixing_length
+
+    def observe(self, scene: Scene) -> None:
+        """Find the turbulent viscosity of the fluid and add it; supply has none."""
+        p = scene.particles
+        height, roughness = self._over_floor(scene)
+        scene.eddies = np.zeros(p.moving.stop)
+        eddy_viscosity(
+            p.density[p.fluid],
+            height,
+            roughness,
+            self._length,
+            scene.shear_rate,
+            scene.eddies[p.fluid],
+        )
+        scene.viscosity += scene.eddies
+
+    def _over_floor(self, scene: Scene) -> tuple[Floats, Floats]:
+        """Return height over and roughness of the floor under the particles, m; infinite in 3D."""
+        p, case = scene.particles, self._case
+        if case.dimension == 3:
+            everywhere = np.full(p.fluid_count, np.inf)
+            return everywhere, everywhere
+        x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
+        height = np.maximum(height_over_floor(case, x, y, x), 0.5 * scene.near.spacing)
+        return height, floor_roughness(case, x)
