@@ -22,10 +22,11 @@ from debrisflow.case import (
 from debrisflow.case.bodies import MeshFill
 from debrisflow.case.defaults import FEWEST_RELAXATION_STEPS, phases, viscous_limits
 from debrisflow.case.estimate import available_memory, estimate, size
-from debrisflow.case.materials import Mixture, Sediment, Strength, Water
+from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Geometry, is_three_dimensional
+from debrisflow.case.strength import Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,

@@ -9,11 +9,12 @@ from math import hypot, inf, sqrt
 from typing import TypeVar
 
 from debrisflow.case.fields import Table
-from debrisflow.case.materials import Mixture, Sediment, Strength, Water, bulk_density
+from debrisflow.case.materials import Mixture, Sediment, Water, bulk_density
 from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
 from debrisflow.case.regions import bed_end, extent_across, section_of_supply
 from debrisflow.case.shapes import Channel, Channel3D, Geometry, is_three_dimensional
 from debrisflow.case.speeds import fall_speed, given_speed
+from debrisflow.case.strength import NoStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyScheme,
@@ -89,7 +90,7 @@ def viscous_limits(
     The limit is ``0.2 d0^2 rho / mu``; with a strength law viscosity is implicit and there is
     none.  Of mixtures of several concentrations the lightest counts.
     """
-    if strength.law != "none":
+    if not isinstance(strength, NoStrength):
         return {}
     solid = mixture.concentration
     if is_three_dimensional(geometry):

@@ -8,7 +8,6 @@ from math import degrees, isfinite
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import Interval
-from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import (
     MESH_SLACK,
@@ -30,6 +29,7 @@ from debrisflow.case.shapes import (
     is_three_dimensional,
     plain_edges,
 )
+from debrisflow.case.strength import RampedStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
@@ -82,7 +82,8 @@ def intervals_in_order(
 ) -> Problems:
     """Check that intervals begin before they end."""
     intervals = _extents(fill, obstacle)
-    intervals["strength.concentration_ramp"] = strength.concentration_ramp
+    if isinstance(strength, RampedStrength):
+        intervals["strength.concentration_ramp"] = strength.concentration_ramp
     for key, interval in intervals.items():
         if interval[0] >= interval[1]:
             yield Problem(key, "the first number must be less than the second", interval)

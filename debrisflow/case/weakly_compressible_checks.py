@@ -11,10 +11,10 @@ from debrisflow.case.defaults import (
     phases,
     sound_speed,
 )
-from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, covered
 from debrisflow.case.shapes import Geometry, is_three_dimensional
+from debrisflow.case.strength import NoStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyScheme,
@@ -75,9 +75,9 @@ def laws_of_mixture(
     if drag.law != "none":
         yield Problem("drag.law", HAS_NONE, drag.law)
     has_grains = "mixture" in phases(fill, inflow, geometry)
-    if strength.law != "none" and not has_grains:
+    if not isinstance(strength, NoStrength) and not has_grains:
         message = "has no effect on water; fill with 'mixture'"
-        yield Problem("strength.law", message, strength.law)
+        yield Problem("strength.type", message, strength.type)
     if not collision_stress.enabled:
         return
     if not has_grains:

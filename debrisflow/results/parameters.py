@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 from debrisflow.case import tables
 from debrisflow.case.defaults import phases
 from debrisflow.case.fields import NONE, Table
-
-FRICTIONAL = ("coulomb", "mu-i")
+from debrisflow.case.strength import NoStrength
 
 
 class Parameter(NamedTuple):
@@ -102,11 +101,8 @@ def _words(case: tables.Case) -> Iterator[str]:
 
 
 def _laws(case: tables.Case) -> Iterator[str]:
-    strength = case.strength
-    if strength.law in FRICTIONAL:
-        yield f"{strength.law} φ = {strength.friction_angle:g}°"
-    elif strength.law != "none":
-        yield f"{strength.law} τ0 = {strength.yield_stress or 0.0:g} Pa"
+    if not isinstance(case.strength, NoStrength):
+        yield case.strength.summary()
     yield (
         f"collision stress {case.collision_stress.granular_temperature}"
         if (case.collision_stress.enabled)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from debrisflow.case import tables
 from debrisflow.case.defaults import LARGEST_PATH, VISCOUS_LIMIT
 from debrisflow.case.materials import pore_density
+from debrisflow.case.strength import FrictionalStrength, NoStrength
 from debrisflow.errors import NotConvergedError
 from debrisflow.neighbors import pairs
 from debrisflow.particles.matter import concentrations
@@ -46,7 +47,7 @@ class Resistance:
     def __init__(self, case: tables.Case, numbers: pairs.Numbers) -> None:
         stress, sediment = case.collision_stress, case.sediment
         self.case, self.numbers = case, numbers
-        self.is_implicit = case.strength.law != "none"
+        self.is_implicit = not isinstance(case.strength, NoStrength)
         self._law = law_of(case)
         self._has_collisions = stress.enabled
         self._is_algebraic = stress.granular_temperature == "algebraic"
@@ -185,7 +186,7 @@ class Resistance:
         flow = exchange.Flow(
             p.density[rows],
             self._level,
-            consistency_at(self._level, self._law) if self._law.consistency > 0.0 else None,
+            consistency_at(self._level, self._law),
             self.viscosity.copy(),
             strength,
             deepening,
@@ -216,7 +217,8 @@ class Resistance:
         water that of the static balance of the buoyant grains, as water on a bed adds nothing.  No
         less than the weight of half a row, which ties the uppermost one.
         """
-        if self._law.friction == 0.0:
+        strength = self.case.strength
+        if not isinstance(strength, FrictionalStrength):
             return
         rows = p.moving
         weight, half = self._grain_weight(p), 0.5 * self.numbers.spacing
@@ -224,7 +226,7 @@ class Resistance:
             share = weight / (p.density[rows] * (self._g or 1.0))
             np.maximum(share * p.pressure[rows], half * weight, out=p.grain_pressure[rows])
             return
-        least = WEIGHING * self._law.ramp_start
+        least = WEIGHING * strength.concentration_ramp[0]
         is_bed = self._level >= least
         surface = p.on_free_surface[rows]
         system = self._system(near, is_bed & ~surface)

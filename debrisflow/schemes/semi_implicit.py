@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import tables
 from debrisflow.case.materials import pore_density
+from debrisflow.case.strength import FrictionalStrength, NoStrength
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.lists import Neighbors, order_by_cell
@@ -125,7 +126,7 @@ class SemiImplicit:
             case.collision_stress.largest_concentration,
         )
         self._find_temperatures = TEMPERATURES[case.collision_stress.granular_temperature]
-        self._has_strength = case.strength.law != "none"
+        self._has_strength = not isinstance(case.strength, NoStrength)
         self._mixing_length = case.strength.mixing_length
         self._has_collisions = case.collision_stress.enabled
         self._thrown = np.zeros((0, 3))
@@ -213,8 +214,8 @@ class SemiImplicit:
 
         with self.seconds.of("corrector"):
             self._correct(p, velocity, dt, solved)
-        if self._law.friction > 0.0:
-            self._balance_grains(p)
+        if isinstance(self.case.strength, FrictionalStrength):
+            self._balance_grains(p, self.case.strength)
         if self._has_strength and p.fluid_count > 0:
             velocity = self._exchange_momentum(p, velocity, dt)
         if self._is_rough:
@@ -402,16 +403,16 @@ class SemiImplicit:
             excess = solved[: p.unknown_count] - least
             pressure.correct(dt, excess, p.density, False, self._stencil, velocity[p.fluid])
 
-    def _balance_grains(self, p: Particles) -> None:
+    def _balance_grains(self, p: Particles, strength: FrictionalStrength) -> None:
         """Solve the static pressure between the grains of the bed."""
         m = p.unknown_count
         case = self.case
-        submerged = case.sediment.density - pore_density(case.water, case.strength)
+        submerged = case.sediment.density - pore_density(case.water, strength)
         with self.seconds.of("grain pressure"):
             assemble_grain_pressure(
                 p.fluid_count,
                 self._level_concentration,
-                WEIGHING * self._law.ramp_start,
+                WEIGHING * strength.concentration_ramp[0],
                 p.on_free_surface,
                 submerged,
                 self.gravity,
