@@ -123,7 +123,8 @@ def step_below_acoustic(
     """Check that the speed of sound is known and the largest step below the acoustic limit."""
     if not isinstance(scheme, ExplicitScheme):
         return
-    if scheme.sound_speed is None:
+    speed = scheme.sound_speed
+    if speed is None:
         areas = [covered(part, geometry, particles) for part in fill]
         nothing = not areas and inflow is None
         if nothing or any(area is None or area.volume == 0 for area in areas):
@@ -133,8 +134,7 @@ def step_below_acoustic(
             message = "missing: no speed follows from the case; give the speed of sound (m/s)"
             yield Problem("scheme.sound_speed", message)
             return
-        scheme = scheme.model_copy(update={"sound_speed": speed})
-    limit = acoustic_step(scheme, particles)
+    limit = acoustic_step(scheme, speed, particles)
     if time.largest_step is not None and time.largest_step > limit * (1 + TOLERANCE):
         message = f"above the acoustic limit, courant spacing / sound_speed = {limit:.3g} s"
         yield Problem("time.largest_step", message, time.largest_step)
