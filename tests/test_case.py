@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from debrisflow.case import Case, case_schema, dump_case, load_case
+from debrisflow.case.defaults import complete
 from debrisflow.case.strength import Bingham, NoStrength
+from debrisflow.case.tables import Inflow
 from debrisflow.errors import CaseError
 from tests.conftest import CHANNEL, TANK
 
@@ -76,6 +78,32 @@ class TestCompletion:
 
         assert along == pytest.approx(9.81 * 0.2588190451)
         assert across == pytest.approx(-9.81 * 0.9659258263)
+
+    @pytest.mark.parametrize("path", sorted(Path(__file__).parents[1].glob("cases/*.toml")))
+    def test_completing_a_completed_case_changes_nothing(self, path: Path) -> None:
+        case = load_case(path)
+
+        again = complete(case)
+
+        assert again == case
+        assert [type(table) for _, table in again] == [type(table) for _, table in case]
+
+    def test_a_supply_without_numbers_is_no_case(self, channel: Path) -> None:
+        case = load_case(channel, ["inflow.velocity=0.5"])
+        open_case = Case(**(dict(case) | {"inflow": Inflow(depth=0.04)}))
+
+        with pytest.raises(CaseError, match="inflow: missing: give a discharge"):
+            complete(open_case)
+        unread = Inflow(depth=0.04, hydrograph="q.csv")
+        with pytest.raises(CaseError, match=r"inflow\.hydrograph: a file"):
+            complete(Case(**(dict(case) | {"inflow": unread})))
+
+    def test_a_case_has_one_of_the_schemes(self, tank: Path) -> None:
+        case = load_case(tank)
+
+        assert case.semi_implicit_scheme is case.scheme
+        with pytest.raises(TypeError, match="not explicit"):
+            case.explicit_scheme  # noqa: B018 -- asking is what is tested
 
 
 class TestRoundTrip:

@@ -131,3 +131,17 @@ class ResolvedCase(Case):
     time: ResolvedTime = _known(Case, "time")
     output: ResolvedOutput = _known(Case, "output")
     probe: tuple[ResolvedProbe, ...] = _known(Case, "probe")
+
+    @property
+    def semi_implicit_scheme(self) -> ResolvedScheme:
+        """The scheme of a case that is computed by the semi-implicit one; TypeError of others."""
+        if isinstance(self.scheme, ResolvedScheme):
+            return self.scheme
+        raise TypeError("the scheme of the case is not semi-implicit")
+
+    @property
+    def explicit_scheme(self) -> ResolvedExplicitScheme:
+        """The scheme of a case that is computed by the explicit one; TypeError of others."""
+        if isinstance(self.scheme, ResolvedExplicitScheme):
+            return self.scheme
+        raise TypeError("the scheme of the case is not explicit")

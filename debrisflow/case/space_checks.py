@@ -27,7 +27,7 @@ from debrisflow.case.shapes import (
     Tank,
     Tank3D,
     is_three_dimensional,
-    plain_edges,
+    plain_of,
 )
 from debrisflow.case.strength import RampedStrength, Strength
 from debrisflow.case.tables import (
@@ -229,7 +229,7 @@ def runout_behind_bed(geometry: Geometry, gravity: Gravity, particles: Particles
         )
         yield Problem("geometry.runout_start", message, start)
     rise = runout_rise(geometry, gravity)
-    if rise >= geometry.height and plain_edges(geometry) is None:
+    if rise >= geometry.height and plain_of(geometry) is None:
         message = f"must be greater than the rise of the run-out along the x axis, {rise:.3g} m"
         yield Problem("geometry.height", message, geometry.height)
 
@@ -256,11 +256,10 @@ def nothing_on_runout(
 
 def plain_wider_than_channel(geometry: Geometry, particles: Particles) -> Problems:
     """Check that the plain is at least as wide as the channel that opens to it."""
-    edges = plain_edges(geometry)
-    if edges is None:
+    plain = plain_of(geometry)
+    if not isinstance(geometry, Channel3D) or plain is None:
         return
-    assert isinstance(geometry, Channel3D)
-    if edges[0] > TOLERANCE * particles.spacing:
+    if plain.front > TOLERANCE * particles.spacing:
         message = f"must be at least the width of the channel, {geometry.width:g} m"
         yield Problem("geometry.runout_width", message, geometry.runout_width)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.errors import DivergedError
 from debrisflow.neighbors import pairs
@@ -41,7 +41,7 @@ class Explicit:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
         A checked case with its defaults resolved.
 
     Attributes
@@ -54,9 +54,8 @@ class Explicit:
     """Steps after which particles are sorted; a resumed run begins at such a step and so repeats
     the bits of an uninterrupted one."""
 
-    def __init__(self, case: tables.Case) -> None:
-        assert isinstance(case.scheme, tables.ExplicitScheme)
-        self.case, self.scheme = case, case.scheme
+    def __init__(self, case: ResolvedCase) -> None:
+        self.case, self.scheme = case, case.explicit_scheme
         self.lattice = reference(
             case.dimension, case.particles.effective_radius, case.particles.spacing
         )
@@ -72,13 +71,10 @@ class Explicit:
         self._near = Neighbors(
             self.lattice.effective_radius, self.lattice.spacing, self.domain.period
         )
-        self._near_walls: FixedNeighbors | None = None
         self._observed_step = -1
 
-    def _set_numbers(self, case: tables.Case) -> None:
+    def _set_numbers(self, case: ResolvedCase) -> None:
         lattice, scheme = self.lattice, self.scheme
-        assert scheme.sound_speed is not None
-        assert scheme.density_relaxation is not None
         dimension = float(lattice.dimension)
         self._numbers = pairs.Numbers(
             spacing=lattice.spacing,
@@ -118,7 +114,6 @@ class Explicit:
         """Return the greatest time step, s, that the state allows."""
         if self._observed_step != state.step:
             self.observe(state)
-        assert self.case.time.largest_step is not None
         d0, limits = self.lattice.spacing, [self.case.time.largest_step]
         speed, _ = self._survey(state, state.particles.velocity)
         if speed > 0.0:
@@ -172,7 +167,7 @@ class Explicit:
 
     def _observe_neighbors(self, state: State) -> None:
         p = state.particles
-        if self._near_walls is None:
+        if self._observed_step < 0:
             self._set_walls(state)
         if state.step % self.REFRESH == 0:
             p.reorder(p.fluid, order_by_cell(p.position[p.fluid], self.lattice.spacing))
@@ -196,8 +191,6 @@ class Explicit:
         steps where the fastest particle moves by m spacings in one: the least of both lies at
         1.4 sqrt(m).
         """
-        assert self.case.time.largest_step is not None
-        assert self._near_walls is not None
         speed, _ = self._survey(state, state.particles.velocity)
         path = speed * self.case.time.largest_step / self.lattice.spacing
         skin = min(max(1.4 * np.sqrt(path), LEAST_SKIN), GREATEST_SKIN)
@@ -208,7 +201,6 @@ class Explicit:
         p, period = state.particles, self.domain.period
         inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
         position = p.position[p.moving]
-        assert self._near_walls is not None
         self._near.build(position, p.moving.stop)
         self._near_walls.build(position)
         self._list = pairs.Near(

@@ -5,11 +5,11 @@ from __future__ import annotations
 from importlib import import_module
 from inspect import signature
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.physics.rheology import Law
 
 
-def law_of(case: tables.Case) -> Law:
+def law_of(case: ResolvedCase) -> Law:
     """Return the record of a checked case's law of strength.
 
     It is made by the function ``law`` of the file in ``physics/rheology`` that has the name of the

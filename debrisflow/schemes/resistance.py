@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH, VISCOUS_LIMIT
 from debrisflow.case.materials import pore_density
 from debrisflow.case.strength import FrictionalStrength, NoStrength
@@ -34,7 +34,7 @@ class Resistance:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     numbers : Numbers
 
     Attributes
@@ -44,7 +44,7 @@ class Resistance:
         Of fluid and supply: Newtonian and of colliding grains.
     """
 
-    def __init__(self, case: tables.Case, numbers: pairs.Numbers) -> None:
+    def __init__(self, case: ResolvedCase, numbers: pairs.Numbers) -> None:
         stress, sediment = case.collision_stress, case.sediment
         self.case, self.numbers = case, numbers
         self.is_implicit = not isinstance(case.strength, NoStrength)

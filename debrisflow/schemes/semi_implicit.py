@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.materials import pore_density
+from debrisflow.case.resolved import ResolvedScheme
 from debrisflow.case.strength import FrictionalStrength, NoStrength
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.neighbors.lattice import reference
@@ -57,7 +58,7 @@ class SemiImplicit:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
         A checked case with its defaults resolved.
 
     Attributes
@@ -70,7 +71,7 @@ class SemiImplicit:
     """Steps after which particles are sorted and the multigrid hierarchy is built anew; a resumed
     run begins at such a step and so repeats the bits of an uninterrupted one."""
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         self.case = case
         self.lattice = reference(DIMENSION, case.particles.effective_radius, case.particles.spacing)
         self.domain = domain(case)
@@ -80,14 +81,13 @@ class SemiImplicit:
         self._near = Neighbors(
             self.lattice.effective_radius, self.lattice.spacing, self.domain.period
         )
-        assert isinstance(case.scheme, tables.Scheme)
-        self.numbers = case.scheme
-        self._set_operators(case.scheme)
+        self.numbers = case.semi_implicit_scheme
+        self._set_operators(self.numbers)
         self._set_materials(case)
         self._observed_step = -1
-        self._stencil: Stencil | None = None
+        self._stencil: Stencil
 
-    def _set_operators(self, scheme: tables.Scheme) -> None:
+    def _set_operators(self, scheme: ResolvedScheme) -> None:
         symmetric = scheme.interface == "symmetric"
         self._conserves = scheme.gradient == "sum"
         self._interface = (
@@ -105,7 +105,7 @@ class SemiImplicit:
         self._grain_solver = Solver(GRAIN_TOLERANCE)
         self._exchange_solver = Solver(EXCHANGE_TOLERANCE)
 
-    def _set_materials(self, case: tables.Case) -> None:
+    def _set_materials(self, case: ResolvedCase) -> None:
         sediment = case.sediment
         self._law = law_of(case)
         self._slip: Slip | None = None
@@ -160,7 +160,6 @@ class SemiImplicit:
         if self._observed_step != state.step:
             self.observe(state)
         p, case = state.particles, self.case
-        assert case.time.largest_step is not None
         speed = max(
             float(np.sqrt(np.max(np.sum(p.velocity[p.fluid] ** 2, axis=1), initial=0.0))),
             supply(case, state.time)[0],
@@ -243,7 +242,7 @@ class SemiImplicit:
             self._near.build(p.position, p.unknown_count)
         elif self._near.is_stale(p.position, p.unknown_count):
             self._near.build(p.position, p.unknown_count)
-        if self._stencil is None or self._stencil.neighbors.shape != self._near.index.shape:
+        if self._observed_step < 0 or self._stencil.neighbors.shape != self._near.index.shape:
             self._stencil = empty_stencil(*self._near.index.shape, self.lattice)
             self._room = empty_system(self._stencil.neighbors)
         self._stencil = self._stencil._replace(wall_from=p.inflow.stop)
@@ -260,7 +259,6 @@ class SemiImplicit:
             p.concentration[p.fluid] = 0.0
         self._mixture_velocity = p.velocity
         if self._slip is not None:
-            assert self._stencil is not None
             self._slip.observe(p, self._stencil)
             self._mixture_velocity = p.velocity.copy()
             self._mixture_velocity[p.fluid] -= self._slip.velocity

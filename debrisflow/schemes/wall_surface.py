@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.wall_access import WallSurface
 from debrisflow.particles.record import Particles
 from debrisflow.space.domain import WALL_NAMES
 
 
-def wall_surface(particles: Particles, case: tables.Case) -> WallSurface:
+def wall_surface(particles: Particles, case: ResolvedCase) -> WallSurface:
     """Return what the viscous terms need to know of the walls."""
     named = [getattr(case.walls, name) for name in WALL_NAMES]
     # One entry more, so that the index -1 of other particles finds zeros.
