@@ -166,8 +166,8 @@ class OBrienJulien(SlurryStrength):
     )
 
 
-Law = NoStrength | Coulomb | MuI | Bingham | HerschelBulkley | OBrienJulien
-LAWS: tuple[type[Strength], ...] = get_args(Law)
+AnyTable = NoStrength | Coulomb | MuI | Bingham | HerschelBulkley | OBrienJulien
+LAWS: tuple[type[Strength], ...] = get_args(AnyTable)
 
 
 def owners(name: str) -> tuple[str, ...]:
@@ -188,8 +188,9 @@ def _type_of(table: type[Strength]) -> str:
 def _as_now(data: Any) -> Any:
     """Return a table as it is written now: its law called ``type``, without fields of other laws.
 
-    Former files state every field of every law.  Of another law's they may have its default; any
-    value beside the law 'none', by which a law is switched off, except that of a dry mass.
+    Former files state the fields of all laws.  A field of another law is left out where it has its
+    default.  With 'none', by which a law is switched off, it is left out whatever its value is;
+    only a dry mass, which would change the density, stays and is refused.
     """
     if not isinstance(data, dict):
         return data
@@ -198,16 +199,14 @@ def _as_now(data: Any) -> Any:
     if own is None:
         return data
     for name in set(data) - set(own.model_fields):
-        defaults = [_default(table, name) for table in LAWS if name in table.model_fields]
+        defaults = [
+            table.model_fields[name].default for table in LAWS if name in table.model_fields
+        ]
         value = tuple(data[name]) if isinstance(data[name], list) else data[name]
         ignored = own is NoStrength and name != "saturated"
         if defaults and (ignored or value in defaults):
             del data[name]
     return data
-
-
-def _default(table: type[Strength], name: str) -> Any:
-    return table.model_fields[name].default
 
 
 def renamed(data: dict[str, Any]) -> dict[str, Any]:
@@ -216,12 +215,13 @@ def renamed(data: dict[str, Any]) -> dict[str, Any]:
     Examples
     --------
     >>> renamed({"law": "coulomb", "friction_angle": 30.0})
-    {'type': 'coulomb', 'friction_angle': 30.0}
+    {'friction_angle': 30.0, 'type': 'coulomb'}
     """
-    return {
-        FORMER_NAMES.get(name, name) if FORMER_NAMES.get(name) not in data else name: value
-        for name, value in data.items()
-    }
+    data = dict(data)
+    for former, name in FORMER_NAMES.items():
+        if former in data and name not in data:
+            data[name] = data.pop(former)
+    return data
 
 
-AnyStrength = Annotated[Annotated[Law, Field(discriminator="type")], BeforeValidator(_as_now)]
+AnyStrength = Annotated[Annotated[AnyTable, Field(discriminator="type")], BeforeValidator(_as_now)]

@@ -26,8 +26,7 @@ def by_law(usual: Formula) -> Formula:
     Parameters
     ----------
     usual : function
-        What holds of a law that has no such formula of its own.  Its arguments have the same names
-        in all laws.
+        The formula of a law that has none of its own.  Its arguments are given by position.
     """
     name, fallback = usual.__name__, kernel(usual)
 
