@@ -60,8 +60,11 @@ numba.config.THREADING_LAYER = THREADING_LAYER
 # np.isfinite, which these flags make true.
 _MATH = {"reassoc", "contract", "arcp", "nsz"}
 
-kernel = numba.njit(cache=True, error_model="numpy", fastmath=_MATH)
-loop = numba.njit(cache=True, error_model="numpy", fastmath=_MATH, parallel=True)
+OPTIONS = {"error_model": "numpy", "fastmath": _MATH}
+"""Of Numba, for whatever is compiled."""
+
+kernel = numba.njit(cache=True, **OPTIONS)
+loop = numba.njit(cache=True, parallel=True, **OPTIONS)
 
 
 def set_threads(count: int) -> int:

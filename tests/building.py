@@ -15,27 +15,23 @@ from debrisflow.particles.record import blank
 from debrisflow.particles.state import initial_state
 from debrisflow.physics import momentum
 from debrisflow.physics.drag import DragLaw
-from debrisflow.physics.rheology import Law
+from debrisflow.physics.rheology.coulomb import Coulomb
+from debrisflow.physics.rheology.herschel_bulkley import HerschelBulkley
+from debrisflow.physics.rheology.none import NoStrength
+from debrisflow.physics.rheology.obrien_julien import OBrienJulien
 from debrisflow.run.loop import SCHEMES
 from debrisflow.schemes.system import empty_system
 
 NOWHERE = np.zeros(3)  # periods of a domain that does not repeat
 RADII = [(2, 3.1), (2, 2.1), (3, 2.4), (3, 2.1)]  # dimension, influence radius in spacings
-NO_STRENGTH = Law(
-    friction=0.0,
-    friction_span=0.0,
-    inertia=0.279,
-    grain_diameter=0.003,
-    grain_density=2650.0,
-    yield_stress=0.0,
-    yield_growth=0.0,
-    consistency=0.0,
-    exponent=1.0,
-    viscosity_growth=0.0,
-    ramp_start=0.20,
-    ramp_end=0.35,
-    smallest_shear_rate=0.001,
-    largest_viscosity=1e6,
+NO_STRENGTH = NoStrength()
+CAPS = {"smallest_shear_rate": 0.001, "largest_viscosity": 1e6}
+RAMP = {"ramp_start": 0.20, "ramp_end": 0.35}
+COULOMB = Coulomb(friction=0.7, **RAMP, **CAPS)
+HERSCHEL_BULKLEY = HerschelBulkley(yield_stress=30.0, consistency=5.0, exponent=0.4, **RAMP, **CAPS)
+# of the size of the muds of O'Brien & Julien 1988
+MUD = OBrienJulien(
+    yield_stress=0.0181, yield_growth=25.7, consistency=0.0036, viscosity_growth=22.1, **CAPS
 )
 GIDASPOW = DragLaw(0.2, 0.003, 1000.0, 1e-3, 0.55)
 WEN_YU = GIDASPOW._replace(ergun_from=np.inf)
@@ -277,7 +273,7 @@ def bed_case(spacing=0.02, **tables):
             inflow={"depth": 0.04, "velocity": 1.0, "concentration": 0.2},
             collision_stress={"enabled": True},
             drag={"law": "gidaspow"},
-            strength={"law": "coulomb", "mixing_length": 0.006},
+            strength={"type": "coulomb", "mixing_length": 0.006},
             **tables,
         )
     )

@@ -7,6 +7,9 @@ from pathlib import Path
 import pytest
 
 from debrisflow.case import Case, case_schema, dump_case, load_case
+from debrisflow.case.defaults import complete
+from debrisflow.case.strength import Bingham, NoStrength
+from debrisflow.case.tables import Inflow
 from debrisflow.errors import CaseError
 from tests.conftest import CHANNEL, TANK
 
@@ -76,6 +79,32 @@ class TestCompletion:
         assert along == pytest.approx(9.81 * 0.2588190451)
         assert across == pytest.approx(-9.81 * 0.9659258263)
 
+    @pytest.mark.parametrize("path", sorted(Path(__file__).parents[1].glob("cases/*.toml")))
+    def test_completing_a_completed_case_changes_nothing(self, path: Path) -> None:
+        case = load_case(path)
+
+        again = complete(case)
+
+        assert again == case
+        assert [type(table) for _, table in again] == [type(table) for _, table in case]
+
+    def test_a_supply_without_numbers_is_no_case(self, channel: Path) -> None:
+        case = load_case(channel, ["inflow.velocity=0.5"])
+        open_case = Case(**(dict(case) | {"inflow": Inflow(depth=0.04)}))
+
+        with pytest.raises(CaseError, match="inflow: missing: give a discharge"):
+            complete(open_case)
+        unread = Inflow(depth=0.04, hydrograph="q.csv")
+        with pytest.raises(CaseError, match=r"inflow\.hydrograph: a file"):
+            complete(Case(**(dict(case) | {"inflow": unread})))
+
+    def test_a_case_has_one_of_the_schemes(self, tank: Path) -> None:
+        case = load_case(tank)
+
+        assert case.semi_implicit_scheme is case.scheme
+        with pytest.raises(TypeError, match="not explicit"):
+            case.explicit_scheme  # noqa: B018 -- asking is what is tested
+
 
 class TestRoundTrip:
     @pytest.mark.parametrize("text", [TANK, CHANNEL], ids=["tank", "channel"])
@@ -87,7 +116,7 @@ class TestRoundTrip:
             ["gravity.vector=[1, -9]"],
             ["water.viscosity=100"],
             ["particles.effective_radius=2.1"],
-            ["strength.law=coulomb", "drag.law=gidaspow", "water.viscosity=100"],
+            ["strength.type=coulomb", "drag.law=gidaspow", "water.viscosity=100"],
         ],
         ids=" ".join,
     )
@@ -124,12 +153,6 @@ class TestRoundTrip:
             "inflow.across",
             "inflow.hydrograph",
             "collision_stress.concentration",
-            "strength.dynamic_friction_angle",
-            "strength.yield_stress",
-            "strength.yield_growth",
-            "strength.consistency",
-            "strength.exponent",
-            "strength.viscosity_growth",
         }
 
     @pytest.mark.parametrize("path", sorted(Path(__file__).parents[1].glob("cases/*.toml")))
@@ -137,6 +160,74 @@ class TestRoundTrip:
         case = load_case(path)
 
         assert reloaded(case, tmp_path) == case
+
+
+# as it stood in the case file of every run folder, without the fields that have no default
+FORMER = """
+[strength]
+law = "LAW"
+friction_angle = 35.0
+inertia_number = 0.279
+saturated = true
+mixing_length = 0.004
+concentration_ramp = [0.2, 0.35]
+smallest_shear_rate = 0.001
+largest_viscosity = 1000000.0
+"""
+
+
+class TestFormerStrength:
+    @pytest.mark.parametrize(
+        ("law", "numbers"),
+        [
+            ("none", {}),
+            ("coulomb", {}),
+            ("mu-i", {"dynamic_friction_angle": 40.0}),
+            ("bingham", {"yield_stress": 30.0}),
+            ("herschel-bulkley", {"yield_stress": 30.0, "consistency": 5.0, "exponent": 0.4}),
+            (
+                "obrien-julien",
+                {
+                    "yield_stress": 0.0181,
+                    "yield_growth": 25.7,
+                    "consistency": 0.0036,
+                    "viscosity_growth": 22.1,
+                },
+            ),
+        ],
+    )
+    def test_a_resolved_case_of_before_loads(
+        self, tank: Path, law: str, numbers: dict[str, float]
+    ) -> None:
+        own = "".join(f"{name} = {value}\n" for name, value in numbers.items())
+        tank.write_text(tank.read_text() + FORMER.replace("LAW", law) + own)
+
+        case = load_case(tank)
+
+        assert case.strength.model_dump().items() >= ({"type": law} | numbers).items()
+        assert case.strength.mixing_length == 0.004
+        assert f'type = "{law}"' in dump_case(case)
+        assert "law = " not in dump_case(case).partition("[strength]")[2]
+        assert reloaded(case, tank.parent) == case
+
+    @pytest.mark.parametrize("name", ["law", "type"])
+    @pytest.mark.parametrize("former", [True, False])
+    def test_the_law_is_changed_by_both_of_its_names(
+        self, tank: Path, name: str, former: bool
+    ) -> None:
+        written = 'law = "coulomb"' if former else 'type = "coulomb"'
+        tank.write_text(tank.read_text() + f"[strength]\n{written}\nmixing_length = 0.01\n")
+
+        case = load_case(tank, [f"strength.{name}=bingham", "strength.yield_stress=20"])
+
+        assert case.strength == Bingham(type="bingham", yield_stress=20.0, mixing_length=0.01)
+
+    def test_a_law_is_switched_off_with_its_numbers_left_in_the_file(self, tank: Path) -> None:
+        tank.write_text(tank.read_text() + '[strength]\ntype = "coulomb"\nfriction_angle = 28.0\n')
+
+        assert load_case(tank, ["strength.type=none"]).strength == NoStrength()
+        with pytest.raises(CaseError, match="a dry mass needs friction"):
+            load_case(tank, ["strength.type=none", "strength.saturated=false"])
 
 
 class TestHydrograph:
@@ -242,6 +333,20 @@ class TestSchema:
         used = {part.split('"')[0] for part in text.split('"$ref": "#/$defs/')[1:]}
         assert used <= set(schema["$defs"])
         assert used
+
+    def test_a_strength_completes_by_its_law(self) -> None:
+        schema = json.loads(case_schema())
+        options = schema["properties"]["strength"]
+        mapping = options["discriminator"]["mapping"]
+
+        assert {option["$ref"] for option in options["oneOf"]} == set(mapping.values())
+        fields = {
+            law: set(schema["$defs"][ref.rpartition("/")[2]]["properties"])
+            for law, ref in mapping.items()
+        }
+        assert fields["none"] == {"type", "mixing_length"}
+        assert "yield_stress" in fields["bingham"]
+        assert "friction_angle" not in fields["bingham"]
 
     def test_null_is_not_offered(self) -> None:
         assert "null" not in case_schema()

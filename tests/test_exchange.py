@@ -8,7 +8,9 @@ from debrisflow.neighbors.lattice import reference
 from debrisflow.physics import agitation, exchange, images
 from debrisflow.physics.concentration import concentration, level_concentration
 from tests.building import (
-    NO_STRENGTH,
+    COULOMB,
+    HERSCHEL_BULKLEY,
+    MUD,
     NOWHERE,
     fluid_of,
     lattice_block,
@@ -28,7 +30,7 @@ PERIODS = [NOWHERE, np.array([0.0, LENGTH, 0.0])]
 NO_WALLS = solid_of(np.zeros((0, 3)))
 DOWN = NUMBERS.gravity / np.linalg.norm(NUMBERS.gravity)
 DT, COUNT = 0.002, 300
-LAW = NO_STRENGTH._replace(friction=0.7)
+LAW = HERSCHEL_BULKLEY
 SUBMERGED = 1650.0 * np.array([0.0, 0.0, -10.0])
 
 SINGLE = 2.0**-23  # the coefficients are kept in single precision
@@ -366,7 +368,6 @@ def test_what_would_pull_under_a_ceiling_has_no_strength():
 
 
 def test_strength_and_its_growth_with_depth_are_those_of_the_law():
-    law = LAW._replace(yield_stress=20.0, yield_growth=3.0, consistency=5.0, exponent=0.5)
     pressure, weight = np.array([0.0, 400.0]), np.array([0.0, 9000.0])
     c = np.array([0.1, 0.3])
     flow = flow_of(
@@ -375,13 +376,16 @@ def test_strength_and_its_growth_with_depth_are_those_of_the_law():
         viscosity=np.array([0.1, 0.2]),
         shear_rate=np.array([4.0, 0.0]),
     )
-    exchange.resist(pressure, weight, SPACING, 0.05, law, flow)
-    cohesion = 20.0 * np.exp(3.0 * c)
+    exchange.resist(pressure, weight, SPACING, 0.05, COULOMB, flow)
     np.testing.assert_allclose(flow.ramp, [0.0, 2.0 / 3.0], rtol=1e-12)
-    np.testing.assert_allclose(flow.strength, cohesion + 0.7 * pressure, rtol=1e-13)
+    np.testing.assert_allclose(flow.strength, 0.7 * pressure, rtol=1e-13)
     np.testing.assert_allclose(flow.deepening, 0.7 * weight, rtol=1e-11)
     # with that of eddies; the consistency is one of pairs
     np.testing.assert_allclose(flow.viscosity, [0.1 + 1000.0 * 0.05**2 * 4.0, 0.2], rtol=1e-12)
+    exchange.resist(pressure, weight, SPACING, 0.05, MUD, flow)
+    np.testing.assert_array_equal(flow.ramp, 1.0)
+    np.testing.assert_allclose(flow.strength, 0.0181 * np.exp(25.7 * c), rtol=1e-13)
+    np.testing.assert_array_equal(flow.deepening, 0.0)
 
 
 def balanced_grains(position, c, is_free, pressure, submerged=SUBMERGED):

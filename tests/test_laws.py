@@ -1,16 +1,25 @@
 """The law that a case makes, and the density and buoyancy of its mixture."""
 
+from importlib import import_module
+from inspect import signature
 from math import radians, tan
+from typing import get_args
 
 import pytest
 
-from debrisflow.case.materials import Sediment, Strength, Water, bulk_density, buoyant_share
-from debrisflow.physics.rheology import consistency_viscosity, ramp, yield_strength
+from debrisflow.case.materials import Sediment, Water, bulk_density, buoyant_share
+from debrisflow.case.strength import LAWS, Coulomb
+from debrisflow.physics.rheology import (
+    consistency_viscosity,
+    ramp,
+    yield_strength,
+    yielding_viscosity,
+)
 from debrisflow.schemes.records import law_of
 from tests.building import tank_case
 
 WATER, ROCK = Water(density=1000.0), Sediment(density=2500.0)
-WET, DRY = Strength(law="coulomb"), Strength(law="coulomb", saturated=False)
+WET, DRY = Coulomb(type="coulomb"), Coulomb(type="coulomb", saturated=False)
 
 
 def law_from(**strength):
@@ -32,32 +41,42 @@ def test_grains_carry_their_buoyant_share_in_water_and_all_when_dry():
 
 
 def test_no_law_resists_nothing():
-    law = law_from(law="none", yield_stress=10.0, consistency=5.0)
-    assert yield_strength(1e4, 0.5, 1.0, law) == 0.0
+    law = law_from(type="none")
+    assert ramp(0.5, law) * yield_strength(1e4, 0.5, 1.0, law) == 0.0
     assert consistency_viscosity(0.5, 1.0, law) == 0.0
+    assert yielding_viscosity(1e4, 0.0, law) == 0.0
 
 
 def test_friction_is_that_of_the_angles():
-    assert law_from(law="coulomb", friction_angle=30.0).friction == tan(radians(30.0))
-    assert law_from(law="coulomb").friction_span == 0.0
-    law = law_from(law="mu-i", friction_angle=20.9, dynamic_friction_angle=32.76)
+    caps = {"smallest_shear_rate": 0.001, "largest_viscosity": 1e6}
+    ramp_of = {"ramp_start": 0.20, "ramp_end": 0.35}
+    law = law_from(type="coulomb", friction_angle=30.0)
+    assert law._asdict() == {"friction": tan(radians(30.0))} | ramp_of | caps
+    law = law_from(type="mu-i", friction_angle=20.9, dynamic_friction_angle=32.76)
     assert law.friction == tan(radians(20.9))
     assert law.friction + law.friction_span == pytest.approx(tan(radians(32.76)))
     assert (law.inertia, law.grain_diameter, law.grain_density) == (0.279, 0.003, 2650.0)
 
 
 def test_slurries_have_no_friction():
-    law = law_from(law="bingham", yield_stress=20.0)
+    law = law_from(type="bingham", yield_stress=20.0)
     assert yield_strength(1e4, 0.5, 1.0, law) == 20.0
-    assert law.consistency == 0.0
-    law = law_from(law="herschel-bulkley", yield_stress=20.0, consistency=5.0, exponent=0.4)
-    assert (law.friction, law.yield_stress, law.consistency, law.exponent) == (0.0, 20.0, 5.0, 0.4)
-    assert (law.ramp_start, law.ramp_end) == (0.20, 0.35)
+    law = law_from(type="herschel-bulkley", yield_stress=20.0, consistency=5.0, exponent=0.4)
+    assert (law.yield_stress, law.consistency, law.exponent) == (20.0, 5.0, 0.4)
+    assert yield_strength(1e4, 0.5, 1.0, law) == 20.0
 
 
 def test_a_mud_of_o_brien_and_julien_has_its_law_at_any_concentration():
     numbers = {"yield_stress": 0.0181, "yield_growth": 25.7, "consistency": 0.0036}
-    law = law_from(law="obrien-julien", viscosity_growth=22.1, **numbers)
-    assert (law.yield_growth, law.viscosity_growth, law.exponent) == (25.7, 22.1, 1.0)
+    law = law_from(type="obrien-julien", viscosity_growth=22.1, **numbers)
+    assert (law.yield_growth, law.viscosity_growth) == (25.7, 22.1)
     assert ramp(0.0, law) == 0.0
     assert ramp(1e-6, law) == 1.0
+
+
+def test_every_law_of_the_case_has_a_file_of_its_formulas():
+    for table in LAWS:
+        (name,) = get_args(table.model_fields["type"].annotation)
+        module = import_module(f"debrisflow.physics.rheology.{name.replace('-', '_')}")
+        known = {"grain_diameter", "grain_density", *table.model_fields}
+        assert set(signature(module.law).parameters) <= known

@@ -35,7 +35,7 @@ def test_the_lesser_ramp_of_two_particles_counts():
 
 
 def test_the_consistency_between_two_particles_is_their_mean():
-    law = LAW._replace(consistency=1.0, exponent=0.5)
+    law = LAW._replace(exponent=0.5)
     found = pair(4.0, law, ramp=(1.0, 0.5), consistency=(4.0, 6.0), viscosity=(1.0, 3.0))
     assert found == pytest.approx(2.0 + 0.5 * 5.0 / 2.0, rel=1e-13)
 

@@ -19,7 +19,7 @@ G, WATER, ROCK, C = 9.81, 1000.0, 2650.0, 0.5
 MIXTURE = WATER + C * (ROCK - WATER)
 DEPTH = 5 * D0
 ANGLE = 30.0
-COULOMB = {"law": "coulomb", "friction_angle": ANGLE}
+COULOMB = {"type": "coulomb", "friction_angle": ANGLE}
 DRY = COULOMB | {"saturated": False}
 
 
@@ -76,7 +76,7 @@ def test_dry_grains_stay_on_a_slope_below_their_friction_angle(slope):
 def test_a_slurry_stays_below_its_yield_stress_and_runs_above():
     stress = MIXTURE * G * DEPTH * np.sin(np.radians(10.0))
     for share, law in ((1.5, "bingham"), (0.5, "bingham"), (1.5, "herschel-bulkley")):
-        strength = {"law": law, "yield_stress": share * stress}
+        strength = {"type": law, "yield_stress": share * stress}
         if law == "herschel-bulkley":
             strength |= {"consistency": 1.0, "exponent": 0.5}
         way, state = moved(layer(10.0, strength), until=0.4)
@@ -103,7 +103,7 @@ def test_dry_grains_above_their_friction_angle_slide_with_what_friction_leaves(s
     assert friction == pytest.approx(np.tan(np.radians(ANGLE)), rel=0.05)
 
 
-@pytest.mark.parametrize("strength", [{"law": "none"}, DRY], ids=["fluid", "coulomb"])
+@pytest.mark.parametrize("strength", [{"type": "none"}, DRY], ids=["fluid", "coulomb"])
 def test_a_layer_on_a_smooth_slope_gains_what_gravity_gives(strength):
     scheme, state = started(layer(35.0, strength, floor="free-slip"))
     p = state.particles
@@ -202,7 +202,7 @@ def test_a_fall_with_a_strength_law_gains_the_momentum_of_gravity():
         size=(0.52, 0.52, 0.6),
         particles={"spacing": D0},
         fill=[block | {"material": "mixture"}],
-        strength={"law": "bingham", "yield_stress": 100.0},
+        strength={"type": "bingham", "yield_stress": 100.0},
     )
     scheme, state = started(case)
     p = state.particles
@@ -221,7 +221,7 @@ def test_a_slurry_without_gravity_comes_to_rest_in_itself():
         gravity={"acceleration": 0.0},
         particles={"spacing": D0},
         fill=[block | {"material": "mixture", "velocity": [1.0, 0.0, 0.0]}],
-        strength={"law": "bingham", "yield_stress": 100.0},
+        strength={"type": "bingham", "yield_stress": 100.0},
         scheme={"sound_speed": 10.0},
     )
     scheme, state = started(case)

@@ -7,47 +7,48 @@ from scipy.optimize import brentq
 from debrisflow.neighbors.lattice import reference
 from debrisflow.physics.drag import drag_coefficient, freedom
 from debrisflow.physics.rheology import (
+    consistency_at,
     consistency_viscosity,
+    friction,
     harmonic_mean,
+    power_law_viscosity,
     ramp,
     yield_strength,
     yielding_viscosity,
 )
+from debrisflow.physics.rheology.bingham import Bingham
+from debrisflow.physics.rheology.mu_i import MuI
 from debrisflow.physics.turbulence import mixing_length, turbulent_viscosity, wall_friction
+from tests import building
 from tests.building import (
+    CAPS,
     GIDASPOW,
+    HERSCHEL_BULKLEY,
+    MUD,
     NO_STRENGTH,
+    RAMP,
     WEN_YU,
     exchange_system,
     random_patch,
     stencil_of,
 )
 
-COULOMB = NO_STRENGTH._replace(
-    friction=0.7,
-    ramp_start=0.10,
-    ramp_end=0.25,
-    smallest_shear_rate=0.005,
-    largest_viscosity=5e4,
+COULOMB = building.COULOMB._replace(
+    ramp_start=0.10, ramp_end=0.25, smallest_shear_rate=0.005, largest_viscosity=5e4
 )
 # glass beads of Jop et al. 2006
-BEADS = COULOMB._replace(
+BEADS = MuI(
     friction=np.tan(np.radians(20.9)),
     friction_span=np.tan(np.radians(32.76)) - np.tan(np.radians(20.9)),
     inertia=0.279,
     grain_diameter=0.53e-3,
     grain_density=2500.0,
+    ramp_start=0.10,
+    ramp_end=0.25,
+    smallest_shear_rate=0.005,
+    largest_viscosity=5e4,
 )
-HERSCHEL_BULKLEY = NO_STRENGTH._replace(yield_stress=30.0, consistency=5.0, exponent=0.4)
-# of the size of the muds of O'Brien & Julien 1988
-MUD = NO_STRENGTH._replace(
-    yield_stress=0.0181,
-    yield_growth=25.7,
-    consistency=0.0036,
-    viscosity_growth=22.1,
-    ramp_start=0.0,
-    ramp_end=1e-9,
-)
+BINGHAM = Bingham(yield_stress=50.0, **RAMP, **CAPS)
 SLOW = 5e-324  # the least positive number
 
 
@@ -120,6 +121,20 @@ def test_no_pressure_between_grains_or_no_law_is_no_strength():
     assert viscosity_of(1e4, 0.5, 0.0, NO_STRENGTH) == 0.0
 
 
+def test_only_slurries_have_a_consistency_and_only_grains_friction():
+    for law in (COULOMB, BEADS, BINGHAM, NO_STRENGTH):
+        assert consistency_at(0.5, law) is None
+        assert consistency_viscosity(0.5, 1.0, law) == 0.0
+        assert power_law_viscosity(1.0, 1.0, law) == 0.0
+    for law in (HERSCHEL_BULKLEY, MUD):
+        c = np.array([0.3, 0.5])
+        assert list(consistency_at(c, law)) == [consistency_at(value, law) for value in c]
+        assert consistency_viscosity(0.5, 1.0, law) > 0.0
+    for law in (BINGHAM, HERSCHEL_BULKLEY, MUD, NO_STRENGTH):
+        assert friction(100.0, 1.0, law) == 0.0
+    assert friction(100.0, 1.0, COULOMB) == 0.7
+
+
 @pytest.mark.parametrize("pressure", [1.0, 300.0, 1e4])
 def test_friction_grows_with_the_inertia_number_from_one_angle_to_the_other(pressure):
     per_inertia = np.sqrt(pressure / 2500.0) / 0.53e-3
@@ -136,11 +151,12 @@ def test_friction_grows_with_the_inertia_number_from_one_angle_to_the_other(pres
 
 
 def test_a_bingham_slurry_holds_up_to_its_yield_stress_whatever_the_pressure():
-    law = NO_STRENGTH._replace(yield_stress=50.0)
     for rate in (0.001, 0.5, 1e3):
         for pressure in (0.0, 1e4):
-            assert viscosity_of(pressure, 0.5, rate, law) * rate == pytest.approx(50.0, rel=1e-13)
-    assert viscosity_of(0.0, 0.5, 0.0, law) == pytest.approx(5e4, rel=1e-13)
+            assert viscosity_of(pressure, 0.5, rate, BINGHAM) * rate == pytest.approx(
+                50.0, rel=1e-13
+            )
+    assert viscosity_of(0.0, 0.5, 0.0, BINGHAM) == pytest.approx(5e4, rel=1e-13)
 
 
 @pytest.mark.parametrize("exponent", [0.4, 1.0, 1.5])
@@ -262,7 +278,7 @@ def test_grains_lose_their_freedom_towards_the_packing():
     assert freedom(0.95 * 0.55, 0.55) == pytest.approx(0.5)
 
 
-@pytest.mark.parametrize("law", [COULOMB, BEADS, HERSCHEL_BULKLEY, MUD])
+@pytest.mark.parametrize("law", [COULOMB, BEADS, BINGHAM, HERSCHEL_BULKLEY, MUD])
 def test_what_one_particle_loses_the_other_gains(law):
     rng = np.random.default_rng(2)
     stencil = stencil_of(random_patch(2, 150, rng, length=8.0), reference(2, 3.1, 1.0))

@@ -119,7 +119,7 @@ def test_a_free_drop_gains_the_momentum_of_gravity_alone(rng, tables):
     [
         {"drag": {"law": "gidaspow"}},
         {"drag": {"law": "wen-yu"}, "collision_stress": {"enabled": True}},
-        {"strength": {"law": "coulomb"}},
+        {"strength": {"type": "coulomb"}},
     ],
     ids=["drag", "drag-and-collision-stress", "strength"],
 )
@@ -331,7 +331,8 @@ operators.number_density(stencil_of(lattice_block(2, 8), reference(2, 3.1, 1.0))
 STEPS = "advance(*started(bed_case()), steps=2)\n"
 EXPLICIT_STEPS = """
 block = {"type": "block", "x": [0.0, 0.4], "y": [0.0, 0.4], "z": [0.0, 0.4], "material": "mixture"}
-advance(*started(tank3d_case(fill=[block], collision_stress={"enabled": True})), steps=2)
+tables = {"collision_stress": {"enabled": True}, "strength": {"type": "coulomb"}}
+advance(*started(tank3d_case(fill=[block], **tables)), steps=2)
 """
 
 

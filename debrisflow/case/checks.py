@@ -20,12 +20,18 @@ from debrisflow.case import (
     weakly_compressible_checks,
 )
 from debrisflow.case.bodies import MeshFill
-from debrisflow.case.defaults import FEWEST_RELAXATION_STEPS, phases, viscous_limits
+from debrisflow.case.defaults import (
+    FEWEST_RELAXATION_STEPS,
+    NO_SUPPLY,
+    phases,
+    viscous_limits,
+)
 from debrisflow.case.estimate import available_memory, estimate, size
-from debrisflow.case.materials import Mixture, Sediment, Strength, Water
+from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Geometry, is_three_dimensional
+from debrisflow.case.strength import Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
@@ -123,7 +129,7 @@ def one_way_of_supply(inflow: Inflow | None, geometry: Geometry) -> Problems:
                 message = "inflow.hydrograph is given as well; leave one of them out"
                 yield Problem(f"inflow.{name}", message, getattr(inflow, name))
     elif inflow.discharge is None and inflow.velocity is None:
-        yield Problem("inflow", "missing: give a discharge, a velocity or a hydrograph")
+        yield Problem("inflow", NO_SUPPLY)
     elif inflow.discharge is not None and inflow.velocity is not None:
         product = inflow.velocity * section_of_supply(inflow, geometry)
         if not isclose(inflow.discharge, product, rel_tol=1e-6):

@@ -6,17 +6,33 @@ Completing a completed case changes nothing.
 from __future__ import annotations
 
 from math import hypot, inf, sqrt
-from typing import TypeVar
 
-from debrisflow.case.fields import Table
-from debrisflow.case.materials import Mixture, Sediment, Strength, Water, bulk_density
+from debrisflow.case.materials import Mixture, Sediment, Water, bulk_density
 from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
 from debrisflow.case.regions import bed_end, extent_across, section_of_supply
+from debrisflow.case.resolved import (
+    AnyResolvedScheme,
+    ResolvedCase,
+    ResolvedChannel,
+    ResolvedChannel3D,
+    ResolvedExplicitScheme,
+    ResolvedGeometry,
+    ResolvedHeightProbe,
+    ResolvedInflow,
+    ResolvedOutput,
+    ResolvedPressureProbe,
+    ResolvedProbe,
+    ResolvedScheme,
+    ResolvedTime,
+    SteadyInflow,
+    UnsteadyInflow,
+    resolved,
+)
 from debrisflow.case.shapes import Channel, Channel3D, Geometry, is_three_dimensional
 from debrisflow.case.speeds import fall_speed, given_speed
+from debrisflow.case.strength import NoStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
-    AnyScheme,
     Case,
     ExplicitScheme,
     Gravity,
@@ -26,6 +42,7 @@ from debrisflow.case.tables import (
     Scheme,
     Walls,
 )
+from debrisflow.errors import CaseError
 
 RELAXATION_STEPS = 50
 LARGEST_DIFFUSION = 0.3
@@ -34,7 +51,7 @@ VISCOUS_LIMIT = 0.2  # of an explicit step, in d0^2 / nu
 LEAST_SOUND_RATIO = 10.0
 FEWEST_RELAXATION_STEPS = 10
 PROBE_SPACINGS = 2
-_Any = TypeVar("_Any", bound=Table)
+NO_SUPPLY = "missing: give a discharge, a velocity or a hydrograph"
 
 _FORMS: dict[str, dict[str, str]] = {
     "stable": {
@@ -50,28 +67,38 @@ _FORMS: dict[str, dict[str, str]] = {
 }
 
 
-def complete(case: Case) -> Case:
-    """Return the case with every default that follows from other fields filled in."""
-    scheme = case.scheme
-    if isinstance(scheme, ExplicitScheme):
-        fastest = sound_speed(
+def complete(case: Case) -> ResolvedCase:
+    """Return the case with every default that follows from other fields filled in.
+
+    Raises
+    ------
+    CaseError
+        If a supply has neither discharge nor velocity, or a hydrograph that is not read.
+    """
+    scheme: AnyResolvedScheme
+    if isinstance(case.scheme, ExplicitScheme):
+        fastest = case.scheme.sound_speed or sound_speed(
             case.fill, case.inflow, case.geometry, case.particles, case.gravity, case.walls
         )
-        scheme = _filled(scheme, sound_speed=fastest)
-        step = min(acoustic_step(scheme, case.particles), *_viscous_steps(case))
-        scheme = _filled(scheme, density_relaxation=_fall_time(case) or RELAXATION_STEPS * step)
+        step = min(acoustic_step(case.scheme, fastest, case.particles), *_viscous_steps(case))
+        scheme = resolved(
+            ResolvedExplicitScheme,
+            case.scheme,
+            sound_speed=fastest,
+            density_relaxation=_fall_time(case) or RELAXATION_STEPS * step,
+        )
     else:
         step = min(_gravity_limit(case.gravity, case.particles, case.output), *_viscous_steps(case))
-        scheme = _scheme(scheme, step, case.time.largest_step or step)
-    tables: dict[str, Table | None] = {
+        scheme = _scheme(case.scheme, step, case.time.largest_step or step)
+    found = {
         "geometry": _geometry(case.geometry, case.particles),
         "inflow": _inflow(case.inflow, case.geometry),
         "scheme": scheme,
-        "time": _filled(case.time, largest_step=step),
+        "time": resolved(ResolvedTime, case.time, largest_step=step),
         "output": _output(case.output),
+        "probe": tuple(_probe(probe, case.particles) for probe in case.probe),
     }
-    probes = tuple(_probe(probe, case.particles) for probe in case.probe)
-    return case.model_copy(update=tables | {"probe": probes})
+    return ResolvedCase(**(dict(case) | found))
 
 
 def viscous_limits(
@@ -89,7 +116,7 @@ def viscous_limits(
     The limit is ``0.2 d0^2 rho / mu``; with a strength law viscosity is implicit and there is
     none.  Of mixtures of several concentrations the lightest counts.
     """
-    if strength.law != "none":
+    if not isinstance(strength, NoStrength):
         return {}
     solid = mixture.concentration
     if is_three_dimensional(geometry):
@@ -130,19 +157,15 @@ def _carried(inflow: Inflow | None) -> tuple[float, ...]:
     return (inflow.concentration,) if graph is None else graph.concentration
 
 
-def _filled(table: _Any, **defaults: object) -> _Any:
-    """Return a table whose missing fields take the given values."""
-    missing = {name: value for name, value in defaults.items() if getattr(table, name) is None}
-    return table.model_copy(update=missing)
+def _geometry(geometry: Geometry, particles: Particles) -> ResolvedGeometry:
+    if isinstance(geometry, Channel):
+        return resolved(ResolvedChannel, geometry, bed_end=bed_end(geometry, particles))
+    if isinstance(geometry, Channel3D):
+        return resolved(ResolvedChannel3D, geometry, bed_end=bed_end(geometry, particles))
+    return geometry
 
 
-def _geometry(geometry: Geometry, particles: Particles) -> Geometry:
-    if not isinstance(geometry, Channel | Channel3D):
-        return geometry
-    return _filled(geometry, bed_end=bed_end(geometry, particles))
-
-
-def _scheme(scheme: Scheme, step: float, largest: float) -> AnyScheme:
+def _scheme(scheme: Scheme, step: float, largest: float) -> ResolvedScheme:
     """Return the scheme with the choices of its form; density errors decay in fifty steps.
 
     Of the step that gravity and viscosity allow, so that a shorter ``largest`` step leaves the
@@ -150,34 +173,42 @@ def _scheme(scheme: Scheme, step: float, largest: float) -> AnyScheme:
     """
     slow = max(RELAXATION_STEPS * step, FEWEST_RELAXATION_STEPS * largest)
     relaxation = slow if scheme.form == "stable" else 0.0
-    return _filled(scheme, **_FORMS[scheme.form], density_relaxation=relaxation)
+    return resolved(ResolvedScheme, scheme, **_FORMS[scheme.form], density_relaxation=relaxation)
 
 
-def _inflow(inflow: Inflow | None, geometry: Geometry) -> Inflow | None:
+def _inflow(inflow: Inflow | None, geometry: Geometry) -> ResolvedInflow | None:
     if inflow is None:
         return None
-    if isinstance(geometry, Channel3D):
-        inflow = _filled(inflow, across=extent_across(inflow, geometry))
+    across = extent_across(inflow, geometry) if isinstance(geometry, Channel3D) else None
+    if isinstance(inflow.hydrograph, str):
+        raise CaseError("inflow.hydrograph: a file is read by load_case; give a table instead")
     if inflow.hydrograph is not None:
-        return inflow
+        return resolved(UnsteadyInflow, inflow, across=across)
     area = section_of_supply(inflow, geometry)
     if inflow.discharge is not None:
-        return _filled(inflow, velocity=inflow.discharge / area)
-    assert inflow.velocity is not None  # the checks see to it
-    return _filled(inflow, discharge=inflow.velocity * area)
+        flow = {"discharge": inflow.discharge, "velocity": inflow.discharge / area}
+    elif inflow.velocity is not None:
+        flow = {"discharge": inflow.velocity * area, "velocity": inflow.velocity}
+    else:
+        raise CaseError(f"inflow: {NO_SUPPLY}")
+    return resolved(SteadyInflow, inflow, across=across, hydrograph=None, **flow)
 
 
-def _output(output: Output) -> Output:
-    return _filled(
+def _output(output: Output) -> ResolvedOutput:
+    return resolved(
+        ResolvedOutput,
         output,
         deposit_interval=output.interval,
         history_interval=output.interval / 10,
     )
 
 
-def _probe(probe: AnyProbe, particles: Particles) -> AnyProbe:
-    if isinstance(probe, HeightProbe | PressureProbe):
-        return _filled(probe, size=PROBE_SPACINGS * particles.spacing)
+def _probe(probe: AnyProbe, particles: Particles) -> ResolvedProbe:
+    size = PROBE_SPACINGS * particles.spacing
+    if isinstance(probe, HeightProbe):
+        return resolved(ResolvedHeightProbe, probe, size=size)
+    if isinstance(probe, PressureProbe):
+        return resolved(ResolvedPressureProbe, probe, size=size)
     return probe
 
 
@@ -194,10 +225,9 @@ def sound_speed(
     return LEAST_SOUND_RATIO * (fall + given_speed(fill, inflow, geometry, walls))
 
 
-def acoustic_step(scheme: ExplicitScheme, particles: Particles) -> float:
-    """Return the time step that the speed of sound allows, ``courant d0 / c``, s."""
-    assert scheme.sound_speed is not None
-    return scheme.courant * particles.spacing / scheme.sound_speed
+def acoustic_step(scheme: ExplicitScheme, sound_speed: float, particles: Particles) -> float:
+    """Return the time step that a speed of sound, m/s, allows, ``courant d0 / c``, s."""
+    return scheme.courant * particles.spacing / sound_speed
 
 
 def _fall_time(case: Case) -> float:

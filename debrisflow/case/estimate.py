@@ -14,8 +14,7 @@ from debrisflow.case.shapes import (
     Geometry,
     Tank,
     Tank3D,
-    is_three_dimensional,
-    plain_edges,
+    plain_of,
 )
 from debrisflow.case.tables import AnyFill, AnyObstacle, Case, Inflow, Particles
 
@@ -55,9 +54,8 @@ def estimate(
     """
     spacing = particles.spacing
     layers = int(particles.effective_radius) + 1
-    if is_three_dimensional(geometry):
+    if isinstance(geometry, Tank3D | Channel3D):
         return _estimate_in_three(particles, geometry, obstacle, fill, inflow)
-    assert isinstance(geometry, Tank | Channel)
     areas = [area.volume for part in fill if (area := covered(part, geometry, particles))]
     supply = inflow.depth if inflow and isinstance(geometry, Channel) else 0.0
     # Divided twice, since the square of a very small spacing would be zero.
@@ -128,18 +126,17 @@ def _cells_of_channel(geometry: Channel3D, layers: int, spacing: float) -> tuple
     long, wide, high = (s / spacing for s in (geometry.length, geometry.width, geometry.height))
     deep, crest = geometry.bed_thickness / spacing, geometry.weir_height / spacing
     ends = 0.0 if geometry.periodic else 4.0 * layers
-    plain, edges, head = 0.0, plain_edges(geometry), 0.0
-    if edges is not None:
-        assert geometry.runout_start is not None
-        outer = (edges[1] - edges[0]) / spacing + 4.0 * layers
-        plain = (long + 0.5 * ends - geometry.runout_start / spacing) * outer * layers
-        long, ends = geometry.runout_start / spacing, 0.5 * ends
+    beyond, plain, head = 0.0, plain_of(geometry), 0.0
+    if plain is not None:
+        outer = (plain.back - plain.front) / spacing + 4.0 * layers
+        beyond = (long + 0.5 * ends - plain.start / spacing) * outer * layers
+        long, ends = plain.start / spacing, 0.5 * ends
         head = (outer - wide) * (high + layers)
     across, sides = wide + 2 * layers, 2.0 * layers * (high + deep)
     closed = 0.0 if geometry.periodic else layers * wide * (high + crest)
     wall = (long + ends) * (across * layers + sides) + 2.0 * deep * wide * layers + closed
     drawn = (long + ends) * across * (high + deep + layers) + 4.0 * layers * head
-    return wall + plain + layers * head, drawn
+    return wall + beyond + layers * head, drawn
 
 
 def _volume_and_area(body: AnyObstacle) -> tuple[float, float]:

@@ -20,6 +20,7 @@ from debrisflow.case.hydrograph import inline_hydrograph
 from debrisflow.case.meshes import find_meshes
 from debrisflow.case.overrides import apply_overrides
 from debrisflow.case.problems import Problem, locate, translate
+from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.tables import Case, follow_dimension
 from debrisflow.errors import CaseError
 
@@ -32,7 +33,7 @@ _HEAD = """\
 """
 
 
-def load_case(path: Path | str, overrides: Sequence[str] = ()) -> Case:
+def load_case(path: Path | str, overrides: Sequence[str] = ()) -> ResolvedCase:
     """Return the case of a file, checked completely and with its defaults resolved.
 
     Parameters

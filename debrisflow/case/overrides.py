@@ -7,12 +7,16 @@ from collections.abc import Sequence
 from typing import Any
 
 from debrisflow.case.problems import Problem
+from debrisflow.case.strength import FORMER_NAMES, renamed
 
 # Fields of which one stands for the others: setting it takes the others out of the file.
 _ALTERNATIVES = (
     ({"inflow.discharge"}, {"inflow.velocity"}, {"inflow.hydrograph"}),
     ({"gravity.vector"}, {"gravity.acceleration", "gravity.slope"}),
 )
+
+
+_FORMER_KEYS = {f"strength.{old}": f"strength.{new}" for old, new in FORMER_NAMES.items()}
 
 
 def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> list[Problem]:
@@ -33,9 +37,11 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> list[Prob
     """
     problems: list[Problem] = []
     made: set[str] = set()
+    if isinstance(data.get("strength"), dict):
+        data["strength"] = renamed(data["strength"])
     for override in overrides:
         key, equals, text = override.partition("=")
-        key = key.strip()
+        key = _FORMER_KEYS.get(key.strip(), key.strip())
         if not key or not equals:
             problems.append(Problem(f"--set {override}", "must be KEY=VALUE"))
             continue

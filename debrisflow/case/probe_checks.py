@@ -23,7 +23,7 @@ from debrisflow.case.shapes import (
     Geometry,
     Tank3D,
     is_three_dimensional,
-    plain_edges,
+    plain_of,
 )
 from debrisflow.case.tables import AnyObstacle, Gravity, Particles
 
@@ -127,11 +127,11 @@ def _extents(geometry: Geometry, gravity: Gravity) -> dict[str, tuple[float, flo
         ends = (geometry.length, geometry.width, geometry.height)
         return {axis: (0.0, end) for axis, end in zip("xyz", ends, strict=True)}
     if isinstance(geometry, Channel3D):
-        plain = plain_edges(geometry)
+        plain = plain_of(geometry)
         rise = runout_rise(geometry, gravity) if plain else 0.0
         return {
             "x": (0.0, geometry.length),
-            "y": plain or (0.0, geometry.width),
+            "y": (plain.front, plain.back) if plain else (0.0, geometry.width),
             "z": (-geometry.bed_thickness, geometry.height + rise),
         }
     if isinstance(geometry, Channel):
@@ -161,7 +161,7 @@ def _walls(geometry: Geometry) -> dict[str, tuple[int, float] | None]:
         if sides and geometry.weir_height > 0:
             found["right"] = None
         if isinstance(geometry, Channel3D):
-            opens = plain_edges(geometry) is not None  # then the head wall belongs to them
+            opens = plain_of(geometry) is not None  # then the head wall belongs to them
             found["front"] = None if opens else (1, 0.0)
             found["back"] = None if opens else (1, geometry.width)
         return found

@@ -9,6 +9,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from debrisflow.case.fields import NONE, Table
+from debrisflow.case.strength import FORMER_NAMES, Strength, owners
 from debrisflow.case.tables import Case
 
 Problems = Iterator["Problem"]
@@ -147,7 +148,9 @@ def translate(error: Mapping[str, Any]) -> Problem | None:
     place = locate(error["loc"])
     kind, value = error["type"], error["input"]
     if kind == "extra_forbidden":
-        return Problem(place.key, "unknown key" + _likely_key(place), value)
+        return Problem(
+            place.key, _not_of_the_law(place) or "unknown key" + _likely_key(place), value
+        )
     if kind == "missing":
         return _missing(place)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
@@ -204,6 +207,20 @@ def _likely_key(place: Place) -> str:
     if place.key in elsewhere:
         return " here; it belongs to another type of this table"
     return here or (f"; did you mean '{elsewhere[0]}'?" if elsewhere else "")
+
+
+def _not_of_the_law(place: Place) -> str | None:
+    """Return what to do with a field of a law of strength beside another one; None for others."""
+    if not (place.owners and issubclass(place.owners[0], Strength)):
+        return None
+    name = str(place.keys[-1])
+    if name == "saturated":
+        return f"a dry mass needs friction: strength.type must be {either(owners(name))}"
+    if name in FORMER_NAMES:
+        return f"the former name of '{FORMER_NAMES[name]}', which is given as well; leave it out"
+    if owners(name):
+        return f"has no effect with the law '{_tag(place.owners[0])}'; leave it out"
+    return None
 
 
 def _all_keys(table: type[Table], before: str = "") -> Iterator[str]:

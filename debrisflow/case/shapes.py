@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeGuard
+from typing import Literal, NamedTuple, TypeGuard
 
 from debrisflow.case.fields import NONE, Table, quantity
 
@@ -90,20 +90,66 @@ def is_three_dimensional(geometry: object) -> TypeGuard[Tank3D | Channel3D]:
     return isinstance(geometry, Tank3D | Channel3D)
 
 
-def plain_edges(geometry: object) -> tuple[float, float] | None:
-    """Return the outer edges along y of the plain to which a channel opens, m; None without one.
+class Plain(NamedTuple):
+    """A plain to which a channel opens.
+
+    Attributes
+    ----------
+    start : float, m
+        The x of the mouth.
+    mouth : float, m
+        Width of the channel, from y = 0.
+    front, back : float, m
+        The y of the outer edges.
+    """
+
+    start: float
+    mouth: float
+    front: float
+    back: float
+
+
+def plain_of(geometry: object) -> Plain | None:
+    """Return the plain to which a channel opens, None without one.
 
     Examples
     --------
     >>> flume = Channel3D(
     ...     type="channel3d", length=4.0, width=0.5, height=1.0, runout_start=2.0, runout_width=1.5
     ... )
-    >>> plain_edges(flume)
-    (-0.5, 1.0)
+    >>> plain_of(flume)
+    Plain(start=2.0, mouth=0.5, front=-0.5, back=1.0)
     """
     if not isinstance(geometry, Channel3D):
         return None
     if geometry.runout_start is None or geometry.runout_width is None:
         return None
     middle, half = 0.5 * geometry.width, 0.5 * geometry.runout_width
-    return middle - half, middle + half
+    return Plain(
+        start=geometry.runout_start,
+        mouth=geometry.width,
+        front=middle - half,
+        back=middle + half,
+    )
+
+
+class Runout(NamedTuple):
+    """The part of a channel whose floor bends up to a milder slope.
+
+    Attributes
+    ----------
+    start : float, m
+        The x of the bend.
+    slope : float, degree
+        By which the floor falls below the horizontal.
+    """
+
+    start: float
+    slope: float
+
+
+def runout_of(geometry: object) -> Runout | None:
+    """Return the run-out of a channel, whether between its walls or a plain; None without one."""
+    if not isinstance(geometry, ChannelShape) or geometry.runout_start is None:
+        return None
+    return Runout(start=geometry.runout_start, slope=geometry.runout_slope)

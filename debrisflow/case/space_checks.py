@@ -8,7 +8,6 @@ from math import degrees, isfinite
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import Interval
-from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import (
     MESH_SLACK,
@@ -28,8 +27,9 @@ from debrisflow.case.shapes import (
     Tank,
     Tank3D,
     is_three_dimensional,
-    plain_edges,
+    plain_of,
 )
+from debrisflow.case.strength import RampedStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
@@ -82,7 +82,8 @@ def intervals_in_order(
 ) -> Problems:
     """Check that intervals begin before they end."""
     intervals = _extents(fill, obstacle)
-    intervals["strength.concentration_ramp"] = strength.concentration_ramp
+    if isinstance(strength, RampedStrength):
+        intervals["strength.concentration_ramp"] = strength.concentration_ramp
     for key, interval in intervals.items():
         if interval[0] >= interval[1]:
             yield Problem(key, "the first number must be less than the second", interval)
@@ -228,7 +229,7 @@ def runout_behind_bed(geometry: Geometry, gravity: Gravity, particles: Particles
         )
         yield Problem("geometry.runout_start", message, start)
     rise = runout_rise(geometry, gravity)
-    if rise >= geometry.height and plain_edges(geometry) is None:
+    if rise >= geometry.height and plain_of(geometry) is None:
         message = f"must be greater than the rise of the run-out along the x axis, {rise:.3g} m"
         yield Problem("geometry.height", message, geometry.height)
 
@@ -255,11 +256,10 @@ def nothing_on_runout(
 
 def plain_wider_than_channel(geometry: Geometry, particles: Particles) -> Problems:
     """Check that the plain is at least as wide as the channel that opens to it."""
-    edges = plain_edges(geometry)
-    if edges is None:
+    plain = plain_of(geometry)
+    if not isinstance(geometry, Channel3D) or plain is None:
         return
-    assert isinstance(geometry, Channel3D)
-    if edges[0] > TOLERANCE * particles.spacing:
+    if plain.front > TOLERANCE * particles.spacing:
         message = f"must be at least the width of the channel, {geometry.width:g} m"
         yield Problem("geometry.runout_width", message, geometry.runout_width)
 

@@ -13,9 +13,10 @@ from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
-from debrisflow.case.materials import Mixture, Sediment, Strength, Water
+from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.probes import AnyProbe
 from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensional
+from debrisflow.case.strength import AnyStrength, NoStrength
 
 EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
 DISCHARGE = "m2/s or m3/s"  # in two or in three dimensions
@@ -357,7 +358,7 @@ class Case(Table):
     mixture: Mixture = Mixture()
     collision_stress: CollisionStress = CollisionStress()
     drag: Drag = Drag()
-    strength: Strength = Strength()
+    strength: AnyStrength = NoStrength()
     scheme: AnyScheme = Scheme()
     time: Time
     output: Output

@@ -11,10 +11,10 @@ from debrisflow.case.defaults import (
     phases,
     sound_speed,
 )
-from debrisflow.case.materials import Strength
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, covered
 from debrisflow.case.shapes import Geometry, is_three_dimensional
+from debrisflow.case.strength import NoStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyScheme,
@@ -75,9 +75,9 @@ def laws_of_mixture(
     if drag.law != "none":
         yield Problem("drag.law", HAS_NONE, drag.law)
     has_grains = "mixture" in phases(fill, inflow, geometry)
-    if strength.law != "none" and not has_grains:
+    if not isinstance(strength, NoStrength) and not has_grains:
         message = "has no effect on water; fill with 'mixture'"
-        yield Problem("strength.law", message, strength.law)
+        yield Problem("strength.type", message, strength.type)
     if not collision_stress.enabled:
         return
     if not has_grains:
@@ -123,7 +123,8 @@ def step_below_acoustic(
     """Check that the speed of sound is known and the largest step below the acoustic limit."""
     if not isinstance(scheme, ExplicitScheme):
         return
-    if scheme.sound_speed is None:
+    speed = scheme.sound_speed
+    if speed is None:
         areas = [covered(part, geometry, particles) for part in fill]
         nothing = not areas and inflow is None
         if nothing or any(area is None or area.volume == 0 for area in areas):
@@ -133,8 +134,7 @@ def step_below_acoustic(
             message = "missing: no speed follows from the case; give the speed of sound (m/s)"
             yield Problem("scheme.sound_speed", message)
             return
-        scheme = scheme.model_copy(update={"sound_speed": speed})
-    limit = acoustic_step(scheme, particles)
+    limit = acoustic_step(scheme, speed, particles)
     if time.largest_step is not None and time.largest_step > limit * (1 + TOLERANCE):
         message = f"above the acoustic limit, courant spacing / sound_speed = {limit:.3g} s"
         yield Problem("time.largest_step", message, time.largest_step)

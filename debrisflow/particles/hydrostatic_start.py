@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.matter import reference_density
 from debrisflow.particles.record import Particles
 
 LARGEST_GAP = 1.5  # spacings between two particles of one column
 
 
-def compress(particles: Particles, case: tables.Case) -> None:
+def compress(particles: Particles, case: ResolvedCase) -> None:
     """Compress columns of fluid that stand on a wall as their weight does; move the particles too.
 
     At a height z in a column h high, of matter of density rho_m,
@@ -28,12 +28,10 @@ def compress(particles: Particles, case: tables.Case) -> None:
     ----------
     particles : Particles
         On the lattice; changed in place.
-    case : Case
+    case : ResolvedCase
     """
-    assert isinstance(case.scheme, tables.ExplicitScheme)
-    assert case.scheme.sound_speed is not None
     fluid, d0, up = particles.fluid, case.particles.spacing, case.dimension - 1
-    gradient = max(-case.gravity.components[1], 0.0) / case.scheme.sound_speed**2
+    gradient = max(-case.gravity.components[1], 0.0) / case.explicit_scheme.sound_speed**2
     if gradient == 0.0 or particles.fluid_count == 0:
         return
     cell = np.floor(particles.position / d0).astype(np.int64)
@@ -63,17 +61,16 @@ def compress(particles: Particles, case: tables.Case) -> None:
     particles.compression[rows] = compression[moved]
 
 
-def jitter(particles: Particles, case: tables.Case) -> None:
+def jitter(particles: Particles, case: ResolvedCase) -> None:
     """Move the fluid particles a little at random, so that no symmetry of the lattice survives.
 
     Parameters
     ----------
     particles : Particles
         Changed in place.
-    case : Case
+    case : ResolvedCase
     """
-    assert isinstance(case.scheme, tables.ExplicitScheme)
-    reach = case.scheme.jitter * case.particles.spacing
+    reach = case.explicit_scheme.jitter * case.particles.spacing
     rng = np.random.default_rng(case.particles.seed)
     step = rng.uniform(-reach, reach, (particles.fluid_count, 3))
     particles.position[particles.fluid, : case.dimension] += step[:, : case.dimension]

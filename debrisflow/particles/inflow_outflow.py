@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.matter import set_fraction
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import State, count_phases
@@ -17,7 +17,7 @@ from debrisflow.space.floor import floor_level
 Floats = NDArray[np.float64]
 
 
-def advance_supply(state: State, case: tables.Case, dt: float) -> None:
+def advance_supply(state: State, case: ResolvedCase, dt: float) -> None:
     """Move the supply by a step; what passes x = 0 turns into fluid, and new columns follow.
 
     In three dimensions all that waits has the concentration of the present supply, so that the
@@ -53,7 +53,7 @@ def _release(state: State, rows: NDArray[np.int64]) -> None:
     particles.inflow_count -= rows.size
 
 
-def _add_column(state: State, case: tables.Case, concentration: float) -> None:
+def _add_column(state: State, case: ResolvedCase, concentration: float) -> None:
     """Add a column of supply behind the last one; its sediment follows the concentration."""
     particles = state.particles
     section = inflow_section(case)
@@ -77,7 +77,7 @@ def wrap(particles: Particles, domain: Domain) -> None:
         particles.position[particles.fluid, axis] %= domain.period[axis]
 
 
-def remove_leaving(state: State, case: tables.Case, domain: Domain) -> None:
+def remove_leaving(state: State, case: ResolvedCase, domain: Domain) -> None:
     """Remove fluid particles outside the domain and count them by phase.
 
     What is found under the floor, above a ceiling, or beside a closed side below its rim went

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase, tables
 from debrisflow.case.materials import bulk_density
 from debrisflow.particles.record import Kind, Particles
 
 
 def set_material(
-    particles: Particles, rows: slice | NDArray[np.int64], kind: Kind, case: tables.Case
+    particles: Particles, rows: slice | NDArray[np.int64], kind: Kind, case: ResolvedCase
 ) -> None:
     """Give rows the density and the sediment fraction of liquid, sediment or mixture."""
     fraction = {
@@ -24,14 +24,14 @@ def set_material(
 
 
 def set_fraction(
-    particles: Particles, rows: slice | NDArray[np.int64], fraction: float, case: tables.Case
+    particles: Particles, rows: slice | NDArray[np.int64], fraction: float, case: ResolvedCase
 ) -> None:
     """Give rows a sediment fraction and the density of that mixture with water."""
     particles.sediment_fraction[rows] = fraction
     particles.density[rows] = bulk_density(fraction, case.water, case.sediment, case.strength)
 
 
-def concentrations(case: tables.Case) -> set[float]:
+def concentrations(case: ResolvedCase) -> set[float]:
     """Return the sediment concentrations of what a case is filled with and supplied by."""
     found = {case.mixture.concentration if f.material == "mixture" else 0.0 for f in case.fill}
     inflow = case.inflow
@@ -44,7 +44,7 @@ def concentrations(case: tables.Case) -> set[float]:
     return found
 
 
-def reference_density(case: tables.Case) -> float:
+def reference_density(case: ResolvedCase) -> float:
     """Return rho0 of the equation of state, kg/m3: that of the heaviest matter of a case."""
     water, sediment, strength = case.water, case.sediment, case.strength
     return max(bulk_density(c, water, sediment, strength) for c in concentrations(case))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase, tables
 from debrisflow.particles.matter import set_material
 from debrisflow.particles.record import Kind, Particles, blank
 from debrisflow.particles.supply import _first_columns
@@ -16,12 +16,12 @@ from debrisflow.space.walls import WallPoints, wall_points
 Floats = NDArray[np.float64]
 
 
-def seed(case: tables.Case) -> Particles:
+def seed(case: ResolvedCase) -> Particles:
     """Return the particles of a case at its start.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
         A checked case with its defaults resolved.
     """
     rng = np.random.default_rng(case.particles.seed)
@@ -50,7 +50,7 @@ def _placed(position: Floats) -> Particles:
     return particles
 
 
-def _filled(block: tables.AnyFill, case: tables.Case, rng: np.random.Generator) -> Particles:
+def _filled(block: tables.AnyFill, case: ResolvedCase, rng: np.random.Generator) -> Particles:
     particles = _placed(fill(block, case))
     if block.material == "mix":
         is_sediment = _evenly_mixed(
@@ -98,7 +98,7 @@ def _evenly_mixed(position: Floats, share: float, rng: np.random.Generator) -> N
     return is_sediment
 
 
-def _walls(case: tables.Case) -> Particles:
+def _walls(case: ResolvedCase) -> Particles:
     points = wall_points(case)
     order = np.argsort(points.layer > 1, kind="stable")
     points = WallPoints._make(field[order] for field in points)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase, tables
 from debrisflow.particles import hydrostatic_start
 from debrisflow.particles.maxima import Maxima, no_maxima
 from debrisflow.particles.record import Particles
@@ -119,7 +119,7 @@ def count_phases(
     sediment += np.bincount(kind, once * fraction, sediment.size)
 
 
-def initial_state(case: tables.Case) -> State:
+def initial_state(case: ResolvedCase) -> State:
     """Return the state of a case at its start, before its fills relax."""
     particles = seed(case)
     if isinstance(case.scheme, tables.ExplicitScheme):

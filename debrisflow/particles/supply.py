@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
+from debrisflow.case.resolved import UnsteadyInflow
 from debrisflow.particles.matter import reference_density, set_fraction, set_material
 from debrisflow.particles.record import Kind, Particles, blank
 from debrisflow.space.domain import wall_layers
 from debrisflow.space.fills import inflow_section
 
 
-def supply(case: tables.Case, time: float) -> tuple[float, float]:
+def supply(case: ResolvedCase, time: float) -> tuple[float, float]:
     """Return velocity, m/s, and sediment concentration of the supply at a time.
 
     The velocity gives the discharge through the section of whole particles that stands for the
@@ -20,19 +21,18 @@ def supply(case: tables.Case, time: float) -> tuple[float, float]:
     inflow = case.inflow
     if inflow is None or time < 0.0:
         return 0.0, 0.0
-    if isinstance(inflow.hydrograph, tables.Hydrograph):
+    if isinstance(inflow, UnsteadyInflow):
         h = inflow.hydrograph
         discharge = float(np.interp(time, h.time, h.discharge))
         concentration = float(np.interp(time, h.time, h.concentration))
     else:
-        assert inflow.discharge is not None
         discharge, concentration = inflow.discharge, inflow.concentration
     section = inflow_section(case)
     cells = section.wide * section.high
     return discharge / (cells * case.particles.spacing ** (case.dimension - 1)), concentration
 
 
-def supply_column(case: tables.Case, number: int, x: float, sediment: float) -> Particles:
+def supply_column(case: ResolvedCase, number: int, x: float, sediment: float) -> Particles:
     """Return a column of waiting supply at x that fills the section, and its sediment.
 
     In two dimensions whole particles are rock.  Their rows are drawn with the column's number as
@@ -45,7 +45,7 @@ def supply_column(case: tables.Case, number: int, x: float, sediment: float) -> 
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     number : int
         Columns before this one since the start.
     x : float, m
@@ -72,26 +72,24 @@ def supply_column(case: tables.Case, number: int, x: float, sediment: float) -> 
     return column
 
 
-def _compress_supply(column: Particles, case: tables.Case, depth: float) -> None:
-    assert isinstance(case.scheme, tables.ExplicitScheme)
-    assert case.scheme.sound_speed is not None
-    gradient = max(-case.gravity.components[1], 0.0) / case.scheme.sound_speed**2
+def _compress_supply(column: Particles, case: ResolvedCase, depth: float) -> None:
+    gradient = max(-case.gravity.components[1], 0.0) / case.explicit_scheme.sound_speed**2
     heavy = column.density / reference_density(case)
     column.compression[:] = gradient * heavy * (depth - column.position[:, 2])
 
 
-def supplied_sediment(case: tables.Case, columns: int) -> float:
+def supplied_sediment(case: ResolvedCase, columns: int) -> float:
     """Return the volume of sediment that the first columns owe at t = 0, in particles."""
     section = inflow_section(case)
     return supply(case, 0.0)[1] * section.wide * section.high * columns
 
 
-def whole_sediment(case: tables.Case, owed: float) -> float:
+def whole_sediment(case: ResolvedCase, owed: float) -> float:
     """Return how much of the sediment owed a column can hold: in two dimensions whole particles."""
     return owed if case.dimension == 3 else float(int(owed))
 
 
-def _first_columns(case: tables.Case) -> list[Particles]:
+def _first_columns(case: ResolvedCase) -> list[Particles]:
     """Return the columns that wait behind x = 0 at the start, the foremost first."""
     d0, layers = case.particles.spacing, wall_layers(case)
     due = [whole_sediment(case, supplied_sediment(case, n)) for n in range(layers + 1)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import PHASES
 from debrisflow.results.frames import Frame
 from debrisflow.run.history import PER_WIDTH, WAYS
@@ -33,12 +33,12 @@ MOMENTUM_HEAD = (
 )
 
 
-def budget_table(case: tables.Case, history: Table) -> Table:
+def budget_table(case: ResolvedCase, history: Table) -> Table:
     """Return mass by matter, its closure, and energies at the times of the history.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     history : Table
         As ``history.csv`` names it; the first row is the state from which the budget runs.
     """
@@ -63,7 +63,7 @@ def budget_head(dimension: int) -> list[str]:
     return [line.format(per_width=PER_WIDTH[dimension]) for line in BUDGET_HEAD]
 
 
-def momentum_row(case: tables.Case, frame: Frame) -> Row:
+def momentum_row(case: ResolvedCase, frame: Frame) -> Row:
     """Return time, momentum along x and upwards, N s, and weight along x, N, of the fluid."""
     fluid, up = frame.fluid, case.dimension - 1
     mass = frame.density[fluid].astype(float) * particle_volume(case)
@@ -71,7 +71,7 @@ def momentum_row(case: tables.Case, frame: Frame) -> Row:
     return frame.time, along, upward, float(mass.sum() * gravity_vector(case)[0])
 
 
-def momentum_table(case: tables.Case, rows: list[Row]) -> Table:
+def momentum_table(case: ResolvedCase, rows: list[Row]) -> Table:
     """Return the momentum of all frames, and what holds the flow back along x."""
     time, along, upward, weight = np.array(rows, dtype=float).T
     rate = np.gradient(along, time) if time.size > 1 else np.full(1, np.nan)

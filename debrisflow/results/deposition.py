@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.lattice import reference
 from debrisflow.results.frames import Frame
 from debrisflow.run.measures import deposit_profile, deposited, locate_fluid, particle_volume
@@ -112,12 +112,12 @@ class Deposition(NamedTuple):
         return float(np.degrees(fall - np.arctan(slope)))
 
 
-def deposition(case: tables.Case, frame: Frame, first: Deposition | None = None) -> Deposition:
+def deposition(case: ResolvedCase, frame: Frame, first: Deposition | None = None) -> Deposition:
     """Return deposit and flow of a frame over the cells of its case.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     frame : Frame
     first : Deposition, optional
         Of the frame since which the bed has changed; this one if left out.
@@ -184,7 +184,7 @@ def deposit_columns(dimension: int) -> tuple[str, ...]:
     return ("time", *PLACE[dimension], *COLUMNS)
 
 
-def deposit_table(case: tables.Case, found: list[Deposition]) -> Table:
+def deposit_table(case: ResolvedCase, found: list[Deposition]) -> Table:
     """Return deposits at several times as one table."""
     parts = [
         [

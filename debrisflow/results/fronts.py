@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import PHASES
 from debrisflow.results.frames import Frame
 from debrisflow.run.measures import FRONT_SHARE, fronts
@@ -38,7 +38,7 @@ HEAD = (
 )
 
 
-def front_row(case: tables.Case, frame: Frame) -> Row:
+def front_row(case: ResolvedCase, frame: Frame) -> Row:
     """Return time, fronts, outer fronts and moving share of a frame, without the speeds."""
     arrays = frame.position, frame.velocity, frame.kind
     shares = (fronts(case, *arrays, share=share) for share in (FRONT_SHARE, OUTER_SHARE))
@@ -113,12 +113,12 @@ class Mobility(NamedTuple):
         return self.fall / self.travel if self.travel > 0.0 else np.nan
 
 
-def mobility(case: tables.Case, time: Floats, front: Floats, source: Floats) -> Mobility:
+def mobility(case: ResolvedCase, time: Floats, front: Floats, source: Floats) -> Mobility:
     """Return fall and travel of a flow from its source to its toe, which is on the fixed floor.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     time, front : (n,) array, s, m
         Of all phases.
     source : (2,) array, m
@@ -144,7 +144,7 @@ def mobility(case: tables.Case, time: Floats, front: Floats, source: Floats) -> 
     return Mobility(toe, float(time[last]), toe - float(source[0]), fall, travel, bound)
 
 
-def source_of(case: tables.Case, first: Frame) -> Floats:
+def source_of(case: ResolvedCase, first: Frame) -> Floats:
     """Return where the flow comes from, along x and upwards, (2,) float64 array, m.
 
     The top of the supply at x = 0, or without one the highest particle of the first frame, of those

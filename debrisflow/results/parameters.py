@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase, tables
 from debrisflow.case.defaults import phases
 from debrisflow.case.fields import NONE, Table
-
-FRICTIONAL = ("coulomb", "mu-i")
+from debrisflow.case.resolved import ResolvedInflow, UnsteadyInflow
+from debrisflow.case.strength import NoStrength
 
 
 class Parameter(NamedTuple):
@@ -44,7 +44,7 @@ class Parameter(NamedTuple):
         return text if self.unit == NONE else f"{text} {self.unit}"
 
 
-def parameters(case: tables.Case) -> list[Parameter]:
+def parameters(case: ResolvedCase) -> list[Parameter]:
     """Return all fields of a case, in the order of the file."""
     found = list(_walk(case, ""))
     rate = "m3/s" if case.dimension == 3 else "m2/s"
@@ -65,7 +65,7 @@ def _walk(table: Table, prefix: str) -> Iterator[Parameter]:
             yield Parameter(key, value, unit, field.description or "")
 
 
-def differences(cases: Sequence[tables.Case]) -> list[tuple[Parameter | None, ...]]:
+def differences(cases: Sequence[ResolvedCase]) -> list[tuple[Parameter | None, ...]]:
     """Return the parameters in which cases differ, a row a parameter, with one entry a case.
 
     An entry is None where a case does not have the parameter.  Titles do not count.
@@ -76,12 +76,12 @@ def differences(cases: Sequence[tables.Case]) -> list[tuple[Parameter | None, ..
     return [row for row in rows if len({one and one.told for one in row}) > 1]
 
 
-def summary(case: tables.Case) -> str:
+def summary(case: ResolvedCase) -> str:
     """Return the parameters that matter most in one line."""
     return ", ".join(_words(case))
 
 
-def _words(case: tables.Case) -> Iterator[str]:
+def _words(case: ResolvedCase) -> Iterator[str]:
     d0, matter = case.particles.spacing, phases(case.fill, case.inflow, case.geometry)
     yield f"d0 = {1000.0 * d0:g} mm"
     if case.gravity.vector is not None:
@@ -101,12 +101,9 @@ def _words(case: tables.Case) -> Iterator[str]:
         yield f"supply {_supply(case.inflow, case.dimension)}"
 
 
-def _laws(case: tables.Case) -> Iterator[str]:
-    strength = case.strength
-    if strength.law in FRICTIONAL:
-        yield f"{strength.law} φ = {strength.friction_angle:g}°"
-    elif strength.law != "none":
-        yield f"{strength.law} τ0 = {strength.yield_stress or 0.0:g} Pa"
+def _laws(case: ResolvedCase) -> Iterator[str]:
+    if not isinstance(case.strength, NoStrength):
+        yield case.strength.summary()
     yield (
         f"collision stress {case.collision_stress.granular_temperature}"
         if (case.collision_stress.enabled)
@@ -116,8 +113,8 @@ def _laws(case: tables.Case) -> Iterator[str]:
         yield f"drag {case.drag.law}"
 
 
-def _supply(inflow: tables.Inflow, dimension: int) -> str:
+def _supply(inflow: ResolvedInflow, dimension: int) -> str:
     unit = "m³/s" if dimension == 3 else "m²/s"
-    if isinstance(inflow.hydrograph, tables.Hydrograph):
+    if isinstance(inflow, UnsteadyInflow):
         return f"hydrograph up to {max(inflow.hydrograph.discharge):g} {unit}"
-    return f"{inflow.discharge or 0.0:g} {unit}, C = {inflow.concentration:g}"
+    return f"{inflow.discharge:g} {unit}, C = {inflow.concentration:g}"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import load_case, tables
+from debrisflow.case import ResolvedCase, load_case
 from debrisflow.errors import OutputError
 from debrisflow.results.frames import Frame, read_frame
 from debrisflow.run.folder import CASE, DEPOSIT, FRAMES, HISTORY, LOG, MAXIMA, PROBES, SUMMARY
@@ -36,7 +36,7 @@ class Run:
     Attributes
     ----------
     folder : Path
-    case : Case
+    case : ResolvedCase
         With every default resolved.
     """
 
@@ -44,7 +44,7 @@ class Run:
         if not (folder / CASE).is_file():
             raise OutputError(f"{folder} is no run folder: it holds no {CASE}")
         self.folder = folder
-        self.case: tables.Case = load_case(folder / CASE)
+        self.case: ResolvedCase = load_case(folder / CASE)
 
     @property
     def name(self) -> str:

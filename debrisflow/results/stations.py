@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.shapes import Channel3D, Tank3D
 from debrisflow.results.frames import Frame
 from debrisflow.run.measures import particle_volume, wetted_width
@@ -79,7 +79,7 @@ def profile_columns(dimension: int) -> tuple[str, ...]:
     return ("time", "station", UP[dimension], *QUANTITIES, "samples")
 
 
-def profile_rows(case: tables.Case, frame: Frame, stations: Iterable[float]) -> Iterator[Row]:
+def profile_rows(case: ResolvedCase, frame: Frame, stations: Iterable[float]) -> Iterator[Row]:
     """Yield the profile at each station, a row a layer.
 
     A layer is d0 thick and 2 d0 long; one without particles is left out.  In three dimensions it
@@ -87,7 +87,7 @@ def profile_rows(case: tables.Case, frame: Frame, stations: Iterable[float]) -> 
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     frame : Frame
     stations : iterable of float
         x, m.
@@ -119,7 +119,7 @@ def profile_rows(case: tables.Case, frame: Frame, stations: Iterable[float]) -> 
             yield frame.time, station, (j + 0.5) * d0, *means, int(count[j])
 
 
-def _offset(case: tables.Case, x: Floats, station: float) -> Floats:
+def _offset(case: ResolvedCase, x: Floats, station: float) -> Floats:
     """Return how far places are downstream of a station, m, the short way where x repeats."""
     period = domain(case).period[0]
     offset = x - station
@@ -127,13 +127,13 @@ def _offset(case: tables.Case, x: Floats, station: float) -> Floats:
 
 
 def mean_profiles(
-    case: tables.Case, profiles: Table, window: tuple[float, float], pooled: bool = False
+    case: ResolvedCase, profiles: Table, window: tuple[float, float], pooled: bool = False
 ) -> Table:
     """Return the profiles averaged over the frames of a window of time, by station.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     profiles : Table
         As :func:`profile_columns` names it.
     window : (float, float), s
@@ -159,7 +159,7 @@ def mean_profiles(
     return {name: np.concatenate(column) for name, column in zip(names, columns, strict=True)}
 
 
-def _mean_profile(case: tables.Case, rows: Table, station: float, count: int) -> list[Floats]:
+def _mean_profile(case: ResolvedCase, rows: Table, station: float, count: int) -> list[Floats]:
     """Return the columns of the mean of a number of profiles, whose layers are the rows."""
     d0 = case.particles.spacing
     layer, weight = (rows[UP[case.dimension]] / d0).astype(int), rows["samples"]
@@ -186,7 +186,7 @@ def is_within(time: Floats, window: tuple[float, float]) -> NDArray[np.bool_]:
     return (time >= window[0] - rounding) & (time <= window[1] + rounding)
 
 
-def _particles_of_a_full_layer(case: tables.Case) -> float:
+def _particles_of_a_full_layer(case: ResolvedCase) -> float:
     """Return the particles of a layer 2 d0 long that is full from side to side.
 
     On a plain, which no flow fills, those of a channel as wide as its mouth.
@@ -236,7 +236,7 @@ def normalized(
 
 
 def hydrograph_rows(
-    case: tables.Case, frame: Frame, stations: Iterable[float], gone: tuple[float, float]
+    case: ResolvedCase, frame: Frame, stations: Iterable[float], gone: tuple[float, float]
 ) -> Iterator[Row]:
     """Yield how much is downstream of each station, and depth and speed there, in a frame.
 
@@ -245,7 +245,7 @@ def hydrograph_rows(
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     frame : Frame
     stations : iterable of float, m
     gone : (float, float)
@@ -276,7 +276,7 @@ def hydrograph_rows(
         yield frame.time, station, *passed, depth, speed
 
 
-def hydrographs(case: tables.Case, rows: list[Row]) -> Table:
+def hydrographs(case: ResolvedCase, rows: list[Row]) -> Table:
     """Return the hydrographs of all frames from how much is downstream of each station."""
     known = np.array(rows, dtype=float).reshape(len(rows), 6)
     time, station, passed = known[:, 0], known[:, 1], known[:, 2:4]

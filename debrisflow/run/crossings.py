@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.probes import SectionProbe
 from debrisflow.particles.state import State, count_phases
 from debrisflow.space.domain import domain
@@ -15,12 +15,12 @@ class Crossings:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     state : State
         At the start of the run or of its continuation.
     """
 
-    def __init__(self, case: tables.Case, state: State) -> None:
+    def __init__(self, case: ResolvedCase, state: State) -> None:
         self._planes = [probe.x for probe in case.probe if isinstance(probe, SectionProbe)]
         self._period = domain(case).period[0]
         self._remember(state)

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from debrisflow.case import dump_case, tables
+from debrisflow.case import ResolvedCase, dump_case
 from debrisflow.errors import OutputError
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
@@ -64,17 +64,17 @@ class RunFolder:
     ----------
     path : Path
         An existing folder; see :meth:`create` and :meth:`open`.
-    case : Case
+    case : ResolvedCase
 
     Attributes
     ----------
     path, checkpoint_path : Path
-    case : Case
+    case : ResolvedCase
     log : logging.Logger
         Logger of the package.
     """
 
-    def __init__(self, path: Path, case: tables.Case) -> None:
+    def __init__(self, path: Path, case: ResolvedCase) -> None:
         self.path, self.case = path, case
         self.checkpoint_path = path / CHECKPOINT
         self._frames = Collection(path / FRAMES)
@@ -93,14 +93,14 @@ class RunFolder:
         self.log.addHandler(self._handler)
 
     @classmethod
-    def create(cls, path: Path, case: tables.Case, overwrite: bool = False) -> Self:
+    def create(cls, path: Path, case: ResolvedCase, overwrite: bool = False) -> Self:
         """Return a fresh folder for a case, written into it with every default.
 
         Parameters
         ----------
         path : Path
             Made if it is not there; may hold other files, which are left alone.
-        case : Case
+        case : ResolvedCase
         overwrite : bool
             Remove the results that the folder holds; otherwise it is refused.
 
@@ -119,7 +119,7 @@ class RunFolder:
             raise OutputError(f"cannot write into {path}: {error.strerror}") from error
 
     @classmethod
-    def open(cls, path: Path, case: tables.Case) -> Self:
+    def open(cls, path: Path, case: ResolvedCase) -> Self:
         """Return the folder of an earlier run of a case, to be continued.
 
         Raises

@@ -7,11 +7,12 @@ from math import ceil
 
 import numpy as np
 
-from debrisflow.case import Case
+from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
 from debrisflow.case.estimate import particle_estimate, size
+from debrisflow.case.resolved import ResolvedExplicitScheme
 from debrisflow.case.speeds import fall_speed, given_speed
-from debrisflow.case.tables import EXPLICIT_RADIUS, ExplicitScheme
+from debrisflow.case.tables import EXPLICIT_RADIUS
 from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
@@ -117,7 +118,7 @@ class Forecast:
         )
 
 
-def forecast(case: Case) -> Forecast:
+def forecast(case: ResolvedCase) -> Forecast:
     """Return the figures of a checked case.
 
     The number of steps is an upper estimate, since friction and walls keep the flow below the
@@ -143,26 +144,24 @@ def forecast(case: Case) -> Forecast:
     )
 
 
-def _sound(case: Case, speed: float, fall: float) -> Sound | None:
+def _sound(case: ResolvedCase, speed: float, fall: float) -> Sound | None:
     """Return the figures of the speed of sound; a fall from H ends at the speed sqrt(2 g H)."""
-    if not isinstance(case.scheme, ExplicitScheme):
+    if not isinstance(case.scheme, ResolvedExplicitScheme):
         return None
     c = case.scheme.sound_speed
-    assert c is not None
     return Sound(c, c / speed if speed > 0 else float("inf"), fall**2 / (2.0 * c**2))
 
 
-def _counts(case: Case) -> dict[str, int]:
+def _counts(case: ResolvedCase) -> dict[str, int]:
     """Return the numbers of the particles that are seeded, by kind."""
     numbers = np.bincount(seed(case).kind, minlength=len(Kind))
     names = {kind: kind.name.lower() for kind in Kind} | {Kind.DUMMY: "dummy wall"}
     return {names[kind]: int(numbers[kind]) for kind in Kind if numbers[kind]}
 
 
-def _step(case: Case, speed: float) -> float:
+def _step(case: ResolvedCase, speed: float) -> float:
     """Return the time step that the case allows at a speed, s."""
-    assert case.time.largest_step is not None
     scheme = case.scheme
-    share = LARGEST_PATH if isinstance(scheme, ExplicitScheme) else scheme.courant
+    share = LARGEST_PATH if isinstance(scheme, ResolvedExplicitScheme) else scheme.courant
     path = share * case.particles.spacing
     return min(case.time.largest_step, path / speed if speed > 0 else float("inf"))

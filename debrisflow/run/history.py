@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.lattice import Reference
 from debrisflow.particles.state import PHASES, State, count_phases
 from debrisflow.run.measures import elastic_energy, energies, fronts, mass, particle_volume
@@ -49,13 +49,13 @@ PER_WIDTH = {2: " per meter of width", 3: ""}
 
 
 def history_row(
-    case: tables.Case, state: State, ppe_iterations: int, reference: Reference
+    case: ResolvedCase, state: State, ppe_iterations: int, reference: Reference
 ) -> dict[str, float | int]:
     """Return the totals of a state, by the names in ``COLUMNS``; nan where there is no fluid.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     state : State
     ppe_iterations : int
         Iterations of the last pressure equation.
@@ -85,7 +85,7 @@ def history_row(
     }
 
 
-def _budget(case: tables.Case, state: State) -> dict[str, float | int]:
+def _budget(case: ResolvedCase, state: State) -> dict[str, float | int]:
     """Return particles, mass and volume of sediment by way, the first two by phase too."""
     p, fluid = state.particles, state.particles.fluid
     inside, inside_sediment = np.zeros(len(PHASES), dtype=np.int64), np.zeros(len(PHASES))

@@ -17,7 +17,7 @@ from typing import Any
 from tqdm import tqdm
 
 from debrisflow._jit import THREADING_LAYER, cores, set_threads
-from debrisflow.case import load_case, tables
+from debrisflow.case import ResolvedCase, load_case
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.particles.state import PHASES, State, initial_state
 from debrisflow.run import checkpoint
@@ -42,13 +42,13 @@ SCHEMES: dict[str, type[SemiImplicit] | type[Explicit]] = {
 
 
 def simulate(
-    case: tables.Case, folder: Path | str, threads: int | None = None, overwrite: bool = False
+    case: ResolvedCase, folder: Path | str, threads: int | None = None, overwrite: bool = False
 ) -> dict[str, Any]:
     """Compute a case and write its results into a folder.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
         As :func:`debrisflow.case.load_case` returns it.
     folder : Path or str
         Holds the results afterwards; refused if it holds some already, unless ``overwrite``.
@@ -88,15 +88,13 @@ class _Run:
     """One run: its case, folder, state, scheme and schedules."""
 
     def __init__(
-        self, case: tables.Case, results: RunFolder, state: State, threads: int | None
+        self, case: ResolvedCase, results: RunFolder, state: State, threads: int | None
     ) -> None:
         self.case, self.results, self.state = case, results, state
         self.scheme = SCHEMES[case.scheme.type](case)
         useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
         self.threads = set_threads(threads or min(cores(), useful))
         start, end, output = -case.time.relaxation, case.time.end, case.output
-        assert output.deposit_interval is not None
-        assert output.history_interval is not None
         self.frames = Schedule(output.interval, 0.0, end)
         self.deposits = Schedule(output.deposit_interval, 0.0, end)
         self.histories = Schedule(output.history_interval, start, end)
@@ -188,7 +186,6 @@ class _Run:
         """Take one step, landing exactly on a due time; return the iterations of the pressure."""
         state = self.state
         longest = self.scheme.stable_dt(state)
-        assert self.case.time.largest_step is not None
         if longest < LEAST_STEP * self.case.time.largest_step:
             raise DivergedError(
                 f"at t = {state.time:g} s, step {state.step}, the time step has fallen to "

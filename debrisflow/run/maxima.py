@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.maxima import Maxima
 from debrisflow.run.tables import write_table
 from debrisflow.space.plan_grid import FLOOR_WORDS, PLACE, PLACE_WORDS, cell_level, plan
@@ -23,7 +23,7 @@ HEAD = (
 )
 
 
-def write_maxima(path: Path, case: tables.Case, time: float, maxima: Maxima) -> None:
+def write_maxima(path: Path, case: ResolvedCase, time: float, maxima: Maxima) -> None:
     """Write ``maxima.csv`` at a time, s; what was there is replaced."""
     grid, dimension = plan(case), case.dimension
     words = {"place": PLACE_WORDS[dimension], "floor": FLOOR_WORDS[dimension]}

@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.materials import pore_density
+from debrisflow.case.resolved import ResolvedExplicitScheme
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import PHASES
 from debrisflow.space.gravity import gravity_vector
@@ -68,12 +69,12 @@ class Energies(NamedTuple):
     potential: float
 
 
-def particle_volume(case: tables.Case) -> float:
+def particle_volume(case: ResolvedCase) -> float:
     """Return d0^Ds: m2, per meter of width, in two dimensions, and m3 in three."""
     return float(case.particles.spacing**case.dimension)
 
 
-def mass(case: tables.Case, number: ArrayLike, sediment: ArrayLike) -> Floats:
+def mass(case: ResolvedCase, number: ArrayLike, sediment: ArrayLike) -> Floats:
     """Return the mass of particles, kg; per meter of width in two dimensions.
 
     Parameters
@@ -94,7 +95,7 @@ def is_fluid(kind: ArrayLike) -> NDArray[np.bool_]:
 
 
 def fronts(
-    case: tables.Case,
+    case: ResolvedCase,
     position: Floats,
     velocity: Floats,
     kind: NDArray[np.integer],
@@ -131,7 +132,7 @@ def _front(x: Floats, share: float) -> float:
 
 
 def deposit_profile(
-    case: tables.Case,
+    case: ResolvedCase,
     position: Floats,
     velocity: Floats,
     kind: NDArray[np.integer],
@@ -175,7 +176,7 @@ def deposit_profile(
 
 
 def locate_fluid(
-    case: tables.Case, grid: Grid, position: Floats, kind: NDArray[np.integer]
+    case: ResolvedCase, grid: Grid, position: Floats, kind: NDArray[np.integer]
 ) -> Located:
     """Return the fluid particles above the cells of a grid; rows are those of the arrays."""
     fluid = np.flatnonzero(is_fluid(kind))
@@ -184,7 +185,7 @@ def locate_fluid(
 
 
 def deposited(
-    case: tables.Case,
+    case: ResolvedCase,
     above: Located,
     velocity: Floats,
     kind: NDArray[np.integer],
@@ -250,7 +251,7 @@ def _mean_by_cell(
     return mean
 
 
-def flow(case: tables.Case, particles: Particles, reference_number_density: float) -> Flow:
+def flow(case: ResolvedCase, particles: Particles, reference_number_density: float) -> Flow:
     """Return depth, mean speed and momentum flux of the flow over each cell.
 
     The depth is the flow height of :func:`deposit_profile`, what lies at rest included.  Of the
@@ -260,7 +261,7 @@ def flow(case: tables.Case, particles: Particles, reference_number_density: floa
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     particles : Particles
     reference_number_density : float
         n0 of the lattice.
@@ -280,7 +281,7 @@ def flow(case: tables.Case, particles: Particles, reference_number_density: floa
 
 
 def energies(
-    case: tables.Case,
+    case: ResolvedCase,
     position: Floats,
     velocity: Floats,
     density: Floats,
@@ -305,7 +306,7 @@ def energies(
 
 
 def elastic_energy(
-    case: tables.Case,
+    case: ResolvedCase,
     density: Floats,
     kind: NDArray[np.integer],
     compression: Floats,
@@ -327,9 +328,8 @@ def elastic_energy(
     compression : (n,) array
         s.
     """
-    if not isinstance(case.scheme, tables.ExplicitScheme):
+    if not isinstance(case.scheme, ResolvedExplicitScheme):
         return 0.0
-    assert case.scheme.sound_speed is not None
     fluid = is_fluid(kind)
     s = np.maximum(compression[fluid], 0.0)
     mass = density[fluid] * particle_volume(case)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH
+from debrisflow.case.strength import FrictionalStrength, NoStrength
 from debrisflow.particles.inflow_outflow import remove_lost
 from debrisflow.particles.matter import concentrations
 from debrisflow.particles.state import State
 from debrisflow.physics.contact import find_inside_walls
-from debrisflow.schemes.records import law_of, numbers_of
+from debrisflow.schemes.records import numbers_of
 from debrisflow.schemes.scheme import Scheme
 from debrisflow.schemes.terms.collision_stress import MixtureCollisions
 from debrisflow.schemes.terms.concentration import Concentration
@@ -40,23 +41,22 @@ class Explicit(Scheme):
         (1 + dt K / rho) u' = u + dt a(r, u, p)
     """
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         super().__init__(case)
-        assert isinstance(case.scheme, tables.ExplicitScheme)
         self._lists = self.vicinity = TwoLists(case, self.lattice, self.domain)
-        self.terms = self._terms(case, case.scheme)
+        self.terms = self._terms(case)
 
-    def _terms(self, case: tables.Case, scheme: tables.ExplicitScheme) -> tuple[Term, ...]:
+    def _terms(self, case: ResolvedCase) -> tuple[Term, ...]:
         numbers, is_even = numbers_of(case, self.lattice), len(concentrations(case)) == 1
         gravity = numbers.gravity
         down = gravity / (float(np.linalg.norm(gravity)) or 1.0)
         # what the artificial viscosity along the line of two particles is in shear
         kinematic = numbers.artificial_viscosity * numbers.sound_speed * self.lattice.spacing
         least = numbers.density * kinematic / (case.dimension + 2.0)
-        is_implicit, stress = case.strength.law != "none", case.collision_stress
+        strength, stress = case.strength, case.collision_stress
+        is_implicit = not isinstance(strength, NoStrength)
         is_sheared = is_implicit or (stress.enabled and stress.granular_temperature == "algebraic")
         collisions = MixtureCollisions(case, numbers.density, numbers.sound_speed, is_implicit)
-        has_friction = law_of(case).friction > 0.0
         self._density = Density(numbers, is_even)
         self._motion = Motion(case, self.domain, LARGEST_PATH)
         terms = (
@@ -67,7 +67,9 @@ class Explicit(Scheme):
             Eddies(case) if is_implicit else None,
             self._density,
             Forces(numbers, is_even, is_viscous=not is_implicit),
-            MixtureGrainPressure(case, gravity, is_even) if has_friction else None,
+            MixtureGrainPressure(case, strength, gravity, is_even)
+            if isinstance(strength, FrictionalStrength)
+            else None,
             MomentumExchange(case, gravity, RESIDUAL, least) if is_implicit else None,
             self._motion,
         )
@@ -82,7 +84,6 @@ class Explicit(Scheme):
         p = state.particles
         is_fresh = state.step % self.REFRESH == 0
         if is_fresh:
-            assert self.case.time.largest_step is not None
             fastest, _ = self._motion.survey(p)
             self._lists.choose_skin(fastest * self.case.time.largest_step / self.lattice.spacing)
         super()._update_neighbors(state)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import radians, tan
+from importlib import import_module
+from inspect import signature
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.lattice import Reference
 from debrisflow.particles.matter import reference_density
 from debrisflow.physics.compressible import Numbers
@@ -15,41 +16,28 @@ from debrisflow.physics.kinetic_theory import Grains
 from debrisflow.physics.rheology import Law
 from debrisflow.space.gravity import gravity_vector
 
-ANY_CONCENTRATION = 0.0, 1.0e-9
-FRICTIONAL = "coulomb", "mu-i"
 ERGUN_FROM = {"gidaspow": 0.2, "wen-yu": np.inf}
 
 
-def law_of(case: tables.Case) -> Law:
-    """Return the law of a checked case; one that resists nothing where the case has none."""
-    strength, sediment = case.strength, case.sediment
-    static = tan(radians(strength.friction_angle)) if strength.law in FRICTIONAL else 0.0
-    dynamic = static
-    if strength.law == "mu-i":
-        assert strength.dynamic_friction_angle is not None  # the checks see to it
-        dynamic = tan(radians(strength.dynamic_friction_angle))
-    grows_with_any = strength.law == "obrien-julien"
-    start, end = ANY_CONCENTRATION if grows_with_any else strength.concentration_ramp
-    is_slurry = strength.law not in ("none", *FRICTIONAL)
-    return Law(
-        friction=static,
-        friction_span=dynamic - static,
-        inertia=strength.inertia_number,
-        grain_diameter=sediment.grain_diameter,
-        grain_density=sediment.density,
-        yield_stress=(strength.yield_stress or 0.0) if is_slurry else 0.0,
-        yield_growth=(strength.yield_growth or 0.0) if is_slurry else 0.0,
-        consistency=(strength.consistency or 0.0) if is_slurry else 0.0,
-        exponent=strength.exponent or 1.0,
-        viscosity_growth=(strength.viscosity_growth or 0.0) if is_slurry else 0.0,
-        ramp_start=start,
-        ramp_end=end,
-        smallest_shear_rate=strength.smallest_shear_rate,
-        largest_viscosity=strength.largest_viscosity,
-    )
+def law_of(case: ResolvedCase) -> Law:
+    """Return the record of a checked case's law of strength.
+
+    It is made by the function ``law`` of the file in ``physics/rheology`` that has the name of the
+    law's ``type``, which is given the fields of the table that it asks for by their names, and
+    ``grain_diameter`` and ``grain_density``.
+    """
+    name = case.strength.type.replace("-", "_")
+    make = import_module(f"debrisflow.physics.rheology.{name}").law
+    sediment = case.sediment
+    known = dict(case.strength) | {
+        "grain_diameter": sediment.grain_diameter,
+        "grain_density": sediment.density,
+    }
+    record: Law = make(**{wanted: known[wanted] for wanted in signature(make).parameters})
+    return record
 
 
-def grains_of(case: tables.Case) -> Grains:
+def grains_of(case: ResolvedCase) -> Grains:
     """Return what the stress of colliding grains needs to know of the sediment."""
     return Grains(
         density=case.sediment.density,
@@ -60,7 +48,7 @@ def grains_of(case: tables.Case) -> Grains:
     )
 
 
-def drag_of(case: tables.Case) -> DragLaw:
+def drag_of(case: ResolvedCase) -> DragLaw:
     """Return the drag of a case that has one."""
     return DragLaw(
         ergun_from=ERGUN_FROM[case.drag.law],
@@ -71,12 +59,9 @@ def drag_of(case: tables.Case) -> DragLaw:
     )
 
 
-def numbers_of(case: tables.Case, lattice: Reference) -> Numbers:
+def numbers_of(case: ResolvedCase, lattice: Reference) -> Numbers:
     """Return the constants of the explicit scheme of a case."""
-    scheme = case.scheme
-    assert isinstance(scheme, tables.ExplicitScheme)
-    assert scheme.sound_speed is not None
-    assert scheme.density_relaxation is not None
+    scheme = case.explicit_scheme
     return Numbers(
         smooth_density=lattice.smooth_density,
         smooth_steepness=lattice.smooth_steepness,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.lists import order_by_cell
 from debrisflow.particles.state import State
@@ -17,7 +17,7 @@ class Scheme:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
         A checked case with its defaults resolved.
 
     Attributes
@@ -36,7 +36,7 @@ class Scheme:
     terms: tuple[Term, ...]
     vicinity: Vicinity
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         self.case = case
         self.lattice = reference(
             case.dimension, case.particles.effective_radius, case.particles.spacing
@@ -71,7 +71,6 @@ class Scheme:
     def stable_dt(self, state: State) -> float:
         """Return the greatest time step, s, that the state allows."""
         scene = self.observe(state)
-        assert self.case.time.largest_step is not None
         return min(self.case.time.largest_step, *(term.limit(scene) for term in self.terms))
 
     def step(self, state: State, dt: float) -> int:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
+from debrisflow.case.resolved import ResolvedScheme
+from debrisflow.case.strength import FrictionalStrength, NoStrength
 from debrisflow.particles.state import State
 from debrisflow.physics.pressure import find_free_surface
-from debrisflow.schemes.records import drag_of, law_of
+from debrisflow.schemes.records import drag_of
 from debrisflow.schemes.scheme import Scheme
 from debrisflow.schemes.system import SystemRoom
 from debrisflow.schemes.terms.collision_stress import PhaseCollisions
@@ -42,15 +44,15 @@ class SemiImplicit(Scheme):
     :mod:`debrisflow.physics.slip`; without one each particle moves by its own velocity.
     """
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         super().__init__(case)
-        assert isinstance(case.scheme, tables.Scheme)
         self.vicinity = OneList(case, self.lattice, self.domain)
-        self.terms = self._terms(case, case.scheme)
+        self.terms = self._terms(case, case.semi_implicit_scheme)
 
-    def _terms(self, case: tables.Case, scheme: tables.Scheme) -> tuple[Term, ...]:
-        gravity, room, law = gravity_vector(case), SystemRoom(), law_of(case)
-        has_strength, has_collisions = case.strength.law != "none", case.collision_stress.enabled
+    def _terms(self, case: ResolvedCase, scheme: ResolvedScheme) -> tuple[Term, ...]:
+        gravity, room, strength = gravity_vector(case), SystemRoom(), case.strength
+        has_strength = not isinstance(strength, NoStrength)
+        has_collisions = case.collision_stress.enabled
         slip = None
         if case.drag.law != "none":
             slip = Slip(drag_of(case), Materials(case.sediment.density, case.water.density))
@@ -70,7 +72,9 @@ class SemiImplicit(Scheme):
             Contact(scheme.collision_distance * self.lattice.spacing, scheme.collision_restitution),
             self._pressure,
             PressureGradient(is_conservative=scheme.gradient == "sum"),
-            GrainPressure(case, gravity, law.ramp_start, room) if law.friction > 0.0 else None,
+            GrainPressure(case, strength, gravity, room)
+            if isinstance(strength, FrictionalStrength)
+            else None,
             MomentumExchange(case, gravity, RESIDUAL) if has_strength else None,
             WallFriction() if is_rough else None,
             Motion(case, self.domain, scheme.courant, slip),

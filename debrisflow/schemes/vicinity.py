@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.lattice import Reference
 from debrisflow.neighbors.lists import FixedNeighbors, Neighbors, group
 from debrisflow.neighbors.pairs import Near
@@ -42,7 +42,7 @@ class OneList:
     near: Near
     solid: Solid
 
-    def __init__(self, case: tables.Case, lattice: Reference, domain: Domain) -> None:
+    def __init__(self, case: ResolvedCase, lattice: Reference, domain: Domain) -> None:
         self._case, self._lattice, self._period = case, lattice, domain.period
         self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
         self._has_walls = False
@@ -85,7 +85,7 @@ class TwoLists:
     near: Near
     solid: Solid
 
-    def __init__(self, case: tables.Case, lattice: Reference, domain: Domain) -> None:
+    def __init__(self, case: ResolvedCase, lattice: Reference, domain: Domain) -> None:
         self._case, self._lattice, self._period = case, lattice, domain.period
         self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
         self._walls: FixedNeighbors | None = None

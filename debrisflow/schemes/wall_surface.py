@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.space.domain import WALL_NAMES
@@ -14,7 +14,7 @@ from debrisflow.space.floor import driving_gravity
 Floats = NDArray[np.float64]
 
 
-def solid_of(particles: Particles, case: tables.Case) -> Solid:
+def solid_of(particles: Particles, case: ResolvedCase) -> Solid:
     """Return what is known of the wall particles, which do not change their places."""
     p, walls = particles, slice(particles.inflow.stop, particles.count)
     named = [getattr(case.walls, name) for name in WALL_NAMES]

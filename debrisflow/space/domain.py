@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import shapes, tables
+from debrisflow.case import ResolvedCase, shapes
 from debrisflow.case.regions import runout_rise
-from debrisflow.case.shapes import plain_edges
+from debrisflow.case.shapes import plain_of
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]
@@ -20,12 +20,12 @@ WALL_NAMES = ("floor", "bed", "left", "right", "ceiling", "front", "back")
 FLOOR, BED, LEFT, RIGHT, CEILING, FRONT, BACK = range(len(WALL_NAMES))
 
 
-def wall_names(case: tables.Case) -> tuple[str, ...]:
+def wall_names(case: ResolvedCase) -> tuple[str, ...]:
     """Return the names of walls and obstacles, in the order of their numbers."""
     return (*WALL_NAMES, *(obstacle.name for obstacle in case.obstacle))
 
 
-def wall_layers(case: tables.Case) -> int:
+def wall_layers(case: ResolvedCase) -> int:
     """Return the number of wall layers that the influence radius of a fluid particle can reach."""
     return int(case.particles.effective_radius) + 1
 
@@ -56,7 +56,7 @@ class Domain(NamedTuple):
     mouth: Floats
 
 
-def domain(case: tables.Case) -> Domain:
+def domain(case: ResolvedCase) -> Domain:
     """Return the space that the particles of a case may occupy.
 
     A margin of one spacing outside the walls belongs to it: what is found beyond has passed a
@@ -66,17 +66,16 @@ def domain(case: tables.Case) -> Domain:
     closed = np.zeros((3, 2), dtype=bool)
     mouth = np.array([-np.inf, 0.0, 0.0])
     if isinstance(shape, shapes.Channel3D):
-        length, width, edges = shape.length, shape.width, plain_edges(shape)
+        length, width, plain = shape.length, shape.width, plain_of(shape)
         closed[0, 0] = not shape.periodic
-        closed[1], closed[2, 0] = edges is None, True
-        front, back = edges or (-d0, width + d0)
+        closed[1], closed[2, 0] = plain is None, True
+        front, back = (plain.front, plain.back) if plain else (-d0, width + d0)
         lower = np.array([-d0, front, -shape.bed_thickness - d0])
-        rise = runout_rise(shape, case.gravity) if edges else 0.0
+        rise = runout_rise(shape, case.gravity) if plain else 0.0
         upper = np.array([length, back, shape.height + rise])
         period = np.array([length if shape.periodic else 0.0, 0.0, 0.0])
-        if edges is not None:
-            assert shape.runout_start is not None
-            mouth = np.array([shape.runout_start - d0, -d0, width + d0])
+        if plain is not None:
+            mouth = np.array([plain.start - d0, -d0, width + d0])
     elif isinstance(shape, shapes.Tank3D):
         closed[:] = True
         closed[1] = not shape.periodic

@@ -10,13 +10,13 @@ from math import radians, tan
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import shapes, tables
-from debrisflow.case.shapes import is_three_dimensional, plain_edges
+from debrisflow.case import ResolvedCase, shapes
+from debrisflow.case.shapes import is_three_dimensional, plain_of, runout_of
 
 Floats = NDArray[np.float64]
 
 
-def floor_level(case: tables.Case, x: Floats) -> Floats:
+def floor_level(case: ResolvedCase, x: Floats) -> Floats:
     """Return the level y of the fixed floor at x, the bottom of the recess under a bed, m.
 
     Examples
@@ -30,32 +30,33 @@ def floor_level(case: tables.Case, x: Floats) -> Floats:
     """
     shape = case.geometry
     level = np.zeros_like(np.asarray(x, dtype=float))
-    if isinstance(shape, shapes.ChannelShape) and shape.bed_end is not None:
+    if isinstance(shape, shapes.ChannelShape):
         if shape.periodic:
             x = np.mod(x, shape.length)
         level[(x >= shape.bed_start) & (x < shape.bed_end)] = -shape.bed_thickness
         if not shape.periodic:
             level[x >= shape.bed_end] = shape.weir_height
-        if shape.runout_start is not None:
-            level += np.maximum(x - shape.runout_start, 0.0) * tan(runout_bend(case))
+        runout = runout_of(shape)
+        if runout is not None:
+            level += np.maximum(x - runout.start, 0.0) * tan(runout_bend(case))
     return level
 
 
-def runout_bend(case: tables.Case) -> float:
-    """Return the angle by which the floor of a channel with a run-out bends up, rad."""
-    assert isinstance(case.geometry, shapes.ChannelShape)
-    return case.gravity.fall - radians(case.geometry.runout_slope)
+def runout_bend(case: ResolvedCase) -> float:
+    """Return the angle by which the floor of a channel bends up to its run-out, rad; 0 without."""
+    runout = runout_of(case.geometry)
+    return case.gravity.fall - radians(runout.slope) if runout else 0.0
 
 
-def floor_bend(case: tables.Case, x: Floats) -> Floats:
+def floor_bend(case: ResolvedCase, x: Floats) -> Floats:
     """Return the angle by which the floor at x rises above the x axis, rad."""
-    shape, x = case.geometry, np.asarray(x, dtype=float)
-    if not isinstance(shape, shapes.ChannelShape) or shape.runout_start is None:
+    runout, x = runout_of(case.geometry), np.asarray(x, dtype=float)
+    if runout is None:
         return np.zeros_like(x)
-    return np.where(x > shape.runout_start, runout_bend(case), 0.0)
+    return np.where(x > runout.start, runout_bend(case), 0.0)
 
 
-def driving_gravity(case: tables.Case, x: Floats, normal: Floats) -> Floats:
+def driving_gravity(case: ResolvedCase, x: Floats, normal: Floats) -> Floats:
     """Return the part of gravity that drives the flow along walls of a channel, (m, 3) m/s2.
 
     Neither across the wall nor across the floor at x, where pressure balances it.  0 in a tank, in
@@ -63,7 +64,7 @@ def driving_gravity(case: tables.Case, x: Floats, normal: Floats) -> Floats:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     x : (m,) float64 array, m
         Of particles of the walls.
     normal : (m, 3) float64 array
@@ -83,13 +84,13 @@ def driving_gravity(case: tables.Case, x: Floats, normal: Floats) -> Floats:
     return driving
 
 
-def height_over_floor(case: tables.Case, x: Floats, y: Floats, at: Floats) -> Floats:
+def height_over_floor(case: ResolvedCase, x: Floats, y: Floats, at: Floats) -> Floats:
     """Return the heights of points over the floor that is under ``at``, along its normal, m."""
     bend = floor_bend(case, at)
     return (y - floor_level(case, at) - np.tan(bend) * (x - at)) * np.cos(bend)
 
 
-def is_over_floor(case: tables.Case, x: Floats, y: Floats) -> NDArray[np.bool_]:
+def is_over_floor(case: ResolvedCase, x: Floats, y: Floats) -> NDArray[np.bool_]:
     """Return which places have the floor of the space under them; in two dimensions y is not used.
 
     Examples
@@ -111,17 +112,16 @@ def is_over_floor(case: tables.Case, x: Floats, y: Floats) -> NDArray[np.bool_]:
         over &= (x > 0.0) & (x < length)
     if not is_three_dimensional(shape):
         return over
-    edges = plain_edges(shape)
+    plain = plain_of(shape)
     between = (y > 0.0) & (y < shape.width)
-    if isinstance(shape, shapes.Channel3D) and edges is not None:
-        assert shape.runout_start is not None
-        between |= (x > shape.runout_start) & (y > edges[0]) & (y < edges[1])
+    if plain is not None:
+        between |= (x > plain.start) & (y > plain.front) & (y < plain.back)
     elif isinstance(shape, shapes.Tank3D) and shape.periodic:
         return over
     return np.asarray(over & between)
 
 
-def floor_roughness(case: tables.Case, x: Floats) -> Floats:
+def floor_roughness(case: ResolvedCase, x: Floats) -> Floats:
     """Return the roughness of the fixed floor at x, under a bed that of its recess, m.
 
     Infinite where the floor has none, so that no law of the wall acts.
@@ -129,7 +129,6 @@ def floor_roughness(case: tables.Case, x: Floats) -> Floats:
     shape, x = case.geometry, np.asarray(x, dtype=float)
     roughness = np.full_like(x, case.walls.floor.roughness)
     if isinstance(shape, shapes.Channel):
-        assert shape.bed_end is not None
         if shape.periodic:
             x = np.mod(x, shape.length)
         elif shape.weir_height > 0.0:

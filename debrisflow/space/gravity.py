@@ -5,18 +5,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 
 Floats = NDArray[np.float64]
 
 
-def gravity_vector(case: tables.Case) -> Floats:
+def gravity_vector(case: ResolvedCase) -> Floats:
     """Return the acceleration of gravity in the axes of the case, (3,) float64 array, m/s2.
 
     Examples
     --------
     >>> from types import SimpleNamespace as Case
-    >>> gravity = tables.Gravity(acceleration=10.0, slope=30.0)
+    >>> from debrisflow.case.tables import Gravity
+    >>> gravity = Gravity(acceleration=10.0, slope=30.0)
     >>> gravity_vector(Case(gravity=gravity, dimension=2)).round(3)
     array([ 5.  , -8.66,  0.  ])
     """

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import shapes, tables
+from debrisflow.case import ResolvedCase, shapes
 from debrisflow.case.bodies import BoxObstacle
-from debrisflow.case.shapes import is_three_dimensional, plain_edges
+from debrisflow.case.shapes import is_three_dimensional, plain_of
 from debrisflow.space.domain import domain
 from debrisflow.space.floor import floor_level, height_over_floor, is_over_floor
 
@@ -74,28 +74,27 @@ class Located(NamedTuple):
     height: Floats
 
 
-def floor_length(case: tables.Case) -> float:
+def floor_length(case: ResolvedCase) -> float:
     """Return the extent of a tank or channel along x, m."""
     shape = case.geometry
     return shape.width if isinstance(shape, shapes.Tank) else shape.length
 
 
-def floor_ends(case: tables.Case, x: float, y: float) -> tuple[Floats, Floats]:
+def floor_ends(case: ResolvedCase, x: float, y: float) -> tuple[Floats, Floats]:
     """Return the ends of the floor along x and across that a place sees, (1,) or (2,) arrays, m."""
-    shape, plain = case.geometry, plain_edges(case.geometry)
+    shape, plain = case.geometry, plain_of(case.geometry)
     first, last = np.zeros(2), np.array([floor_length(case), np.inf])
     if is_three_dimensional(shape):
         last[1] = shape.width
-    if isinstance(shape, shapes.Channel3D) and plain is not None:
-        assert shape.runout_start is not None
-        if x > shape.runout_start:
-            first[1], last[1] = plain
-        if not 0.0 <= y <= shape.width:
-            first[0] = shape.runout_start
+    if plain is not None:
+        if x > plain.start:
+            first[1], last[1] = plain.front, plain.back
+        if not 0.0 <= y <= plain.mouth:
+            first[0] = plain.start
     return first[: case.dimension - 1], last[: case.dimension - 1]
 
 
-def wrapped(case: tables.Case, position: Floats) -> Floats:
+def wrapped(case: ResolvedCase, position: Floats) -> Floats:
     """Return positions brought back into the first period of a case that repeats, (n, 3), m."""
     period = domain(case).period
     inside = np.array(position, dtype=float)
@@ -104,7 +103,7 @@ def wrapped(case: tables.Case, position: Floats) -> Floats:
     return inside
 
 
-def plan(case: tables.Case) -> Grid:
+def plan(case: ResolvedCase) -> Grid:
     """Return the cells of a case.
 
     Examples
@@ -120,13 +119,12 @@ def plan(case: tables.Case) -> Grid:
     shape, d0 = case.geometry, case.particles.spacing
     along = _edges(floor_length(case), d0)
     across = _edges(shape.width, d0) if is_three_dimensional(shape) else np.array([-0.5, 0.5])
-    plain = plain_edges(shape)
-    if isinstance(shape, shapes.Channel3D) and plain is not None:
+    plain = plain_of(shape)
+    if plain is not None:
         # cells end at the mouth and at its sides
-        assert shape.runout_start is not None
-        start, beside = shape.runout_start, _edges(-plain[0], d0)
-        along = np.append(_edges(start, d0)[:-1], start + _edges(shape.length - start, d0))
-        across = np.concatenate([-beside[:0:-1], across[:-1], shape.width + beside])
+        start, beside = plain.start, _edges(-plain.front, d0)
+        along = np.append(_edges(start, d0)[:-1], start + _edges(floor_length(case) - start, d0))
+        across = np.concatenate([-beside[:0:-1], across[:-1], plain.mouth + beside])
     x, y = np.meshgrid(
         *(0.5 * (edges[:-1] + edges[1:]) for edges in (along, across)), indexing="ij"
     )
@@ -137,12 +135,12 @@ def plan(case: tables.Case) -> Grid:
     return Grid(along, across, number, x[floor], y[floor], area[floor], raised)
 
 
-def cell_level(case: tables.Case, grid: Grid) -> Floats:
+def cell_level(case: ResolvedCase, grid: Grid) -> Floats:
     """Return the level of the floor under the center of each cell, or of an obstacle's top, m."""
     return floor_level(case, grid.x) + grid.obstacle_height
 
 
-def locate(case: tables.Case, grid: Grid, position: Floats) -> Located:
+def locate(case: ResolvedCase, grid: Grid, position: Floats) -> Located:
     """Return which particles are above the cells, in which cell, and how high.
 
     Parameters
@@ -166,7 +164,7 @@ def _edges(length: float, d0: float) -> Floats:
     return np.append(np.arange(0.0, length - 1e-6 * d0, CELL_WIDTH * d0), length)
 
 
-def _obstacle_height(case: tables.Case, x: Floats, y: Floats) -> Floats:
+def _obstacle_height(case: ResolvedCase, x: Floats, y: Floats) -> Floats:
     """Return the height of the boxes that stand on the floor or on each other, m.
 
     What hangs over the floor, as a bridge, raises it not: flow passes under it.  Nor does a mesh.

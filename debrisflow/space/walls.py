@@ -16,10 +16,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import shapes, tables
+from debrisflow.case import shapes
 from debrisflow.case.bodies import MeshObstacle
 from debrisflow.case.regions import MESH_SLACK, surface_of
-from debrisflow.case.shapes import is_three_dimensional, plain_edges
+from debrisflow.case.resolved import (
+    ResolvedCase,
+    ResolvedChannel,
+    ResolvedChannel3D,
+    ResolvedChannelShape,
+)
+from debrisflow.case.shapes import Plain, Runout, is_three_dimensional, plain_of, runout_of
 from debrisflow.case.triangles import Surface, cells_inside, nearest_points
 from debrisflow.space.domain import (
     BACK,
@@ -63,33 +69,40 @@ class WallPoints(NamedTuple):
     depth: Floats
 
 
-def wall_points(case: tables.Case) -> WallPoints:
+def wall_points(case: ResolvedCase) -> WallPoints:
     """Return the wall particles of a case, every layer that the fluid can feel."""
     shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
-    draw = {
-        "tank": _tank_cells,
-        "channel": _channel_cells,
-        "tank3d": _tank3d_cells,
-        "channel3d": _channel3d_cells,
-    }[shape.type]
-    points = _points_of_cells(*draw(case), case)
-    if plain_edges(shape) is not None:
+    points = _points_of_cells(*_cells_of(case), case)
+    plain, runout = plain_of(shape), runout_of(shape)
+    if plain is not None and isinstance(shape, ResolvedChannel3D):
         # both drawings reach beyond the border as far as the layers see
-        border = (_runout_cell(case) - layers) * d0
-        mouth = _points_of_cells(*_mouth_cells(case), case)
+        border = (cells_along(plain.start, d0) - layers) * d0
+        mouth = _points_of_cells(*_mouth_cells(shape, plain, case), case)
         points = _joined(
             _chosen(points, points.position[:, 0] < border),
             _chosen(mouth, mouth.position[:, 0] > border),
         )
     for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
-        if isinstance(obstacle, MeshObstacle):
-            points = _felt_by_surface(points, points.name == number, obstacle, case)
-    if isinstance(shape, shapes.ChannelShape) and shape.runout_start is not None:
-        return _with_runout(points, shape, case)
+        if isinstance(obstacle, MeshObstacle) and is_three_dimensional(shape):
+            points = _felt_by_surface(points, points.name == number, obstacle, shape, case)
+    if runout is not None and isinstance(shape, shapes.ChannelShape):
+        return _with_runout(points, shape, runout, case)
     return points
 
 
-def _points_of_cells(start: tuple[int, ...], name: Cells, case: tables.Case) -> WallPoints:
+def _cells_of(case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:
+    """Return the first cell along each axis, and the number of the wall in every cell or -1."""
+    shape = case.geometry
+    if isinstance(shape, shapes.Tank):
+        return _tank_cells(shape, case)
+    if isinstance(shape, shapes.Tank3D):
+        return _tank3d_cells(shape, case)
+    if isinstance(shape, shapes.Channel):
+        return _channel_cells(shape, case)
+    return _channel3d_cells(shape, case)
+
+
+def _points_of_cells(start: tuple[int, ...], name: Cells, case: ResolvedCase) -> WallPoints:
     """Return the wall particles among cells, of which the first and the walls' number are given."""
     d0, periodic_axis = case.particles.spacing, None
     if case.geometry.periodic:
@@ -110,7 +123,11 @@ def _joined(*parts: WallPoints) -> WallPoints:
 
 
 def _felt_by_surface(
-    points: WallPoints, own: NDArray[np.bool_], mesh: MeshObstacle, case: tables.Case
+    points: WallPoints,
+    own: NDArray[np.bool_],
+    mesh: MeshObstacle,
+    shape: shapes.Tank3D | shapes.Channel3D,
+    case: ResolvedCase,
 ) -> WallPoints:
     """Return wall points of which those of a mesh have normal and depth of its triangles.
 
@@ -119,7 +136,7 @@ def _felt_by_surface(
     that stands on the floor: no fluid comes there.  A point on the
     surface itself takes the normal of its triangle, on the side of the staircase's.
     """
-    shown = _faces_in_space(surface_of(mesh), case)
+    shown = _faces_in_space(surface_of(mesh), shape, case)
     rows = np.flatnonzero(own)
     if not (rows.size and len(shown.corners)):
         return points
@@ -135,10 +152,11 @@ def _felt_by_surface(
     return points._replace(normal=normal, depth=depths)
 
 
-def _faces_in_space(surface: Surface, case: tables.Case) -> Surface:
+def _faces_in_space(
+    surface: Surface, shape: shapes.Tank3D | shapes.Channel3D, case: ResolvedCase
+) -> Surface:
     """Return the triangles that do not lie in a side or the floor of the space, walled or not."""
-    shape, slack = case.geometry, MESH_SLACK * case.particles.spacing
-    assert is_three_dimensional(shape)
+    slack = MESH_SLACK * case.particles.spacing
     ends = np.array([[0.0, shape.length], [0.0, shape.width], [0.0, shape.height]])
     hidden = np.zeros(len(surface.corners), dtype=bool)
     for axis, end in ((0, 0), (0, 1), (1, 0), (1, 1), (2, 0)):
@@ -147,24 +165,25 @@ def _faces_in_space(surface: Surface, case: tables.Case) -> Surface:
     return Surface(surface.corners[~hidden])
 
 
-def _with_runout(points: WallPoints, shape: shapes.ChannelShape, case: tables.Case) -> WallPoints:
+def _with_runout(
+    points: WallPoints, shape: shapes.ChannelShape, runout: Runout, case: ResolvedCase
+) -> WallPoints:
     """Return the floor with the part beyond the bend as rows of points parallel to its surface.
 
     The rows of both parts meet on the plane that halves the angle between them.  In three
     dimensions they repeat across the channel, whose side walls stay cells, or across its plain.
     """
-    assert shape.runout_start is not None
-    bend, start, up = runout_bend(case), shape.runout_start, case.dimension - 1
+    bend, start, up = runout_bend(case), runout.start, case.dimension - 1
     layers, d0 = wall_layers(case), case.particles.spacing
     miter = tan(0.5 * bend)
     x, level = points.position[:, 0], points.position[:, up]
     kept = (level > 0.0) | (x < start - level * miter)
     across: Floats = np.zeros(1)
     if isinstance(shape, shapes.Channel3D):
-        first, last = _cells_across(case)
+        first, last = _cells_across(shape, case)
         across = (np.arange(first, last, dtype=float) + 0.5) * d0
-        if shape.runout_width is None:
-            points, kept = _beside_runout(points, kept, shape, case)
+        if plain_of(shape) is None:
+            points, kept = _beside_runout(points, kept, shape, start, case)
     parts = [_chosen(points, kept)]
     end = shape.length + 2 * layers * d0
     for layer in range(1, layers + 1):
@@ -192,27 +211,29 @@ def _with_runout(points: WallPoints, shape: shapes.ChannelShape, case: tables.Ca
     return _joined(*parts)
 
 
-def _cells_across(case: tables.Case) -> tuple[int, int]:
+def _cells_across(shape: shapes.Channel3D, case: ResolvedCase) -> tuple[int, int]:
     """Return the first row of the run-out's floor across, and the one after the last."""
-    assert isinstance(case.geometry, shapes.Channel3D)
-    d0, edges = case.particles.spacing, plain_edges(case.geometry)
-    if edges is None:
-        return 0, cells_along(case.geometry.width, d0)
+    d0, plain = case.particles.spacing, plain_of(shape)
+    if plain is None:
+        return 0, cells_along(shape.width, d0)
     beyond = 2 * wall_layers(case)
-    return floor(edges[0] / d0) - beyond, ceil(edges[1] / d0) + beyond
+    return floor(plain.front / d0) - beyond, ceil(plain.back / d0) + beyond
 
 
 def _beside_runout(
-    points: WallPoints, kept: NDArray[np.bool_], shape: shapes.Channel3D, case: tables.Case
+    points: WallPoints,
+    kept: NDArray[np.bool_],
+    shape: shapes.Channel3D,
+    start: float,
+    case: ResolvedCase,
 ) -> tuple[WallPoints, NDArray[np.bool_]]:
-    """Return the points with the side walls along a run-out kept, and which ones are.
+    """Return the points with the side walls along a run-out from x = start, and which are kept.
 
     Below the floor that bends up, the nearest point of the surface is its edge along the wall.
     """
-    assert shape.runout_start is not None
     bend, d0, layers = runout_bend(case), case.particles.spacing, wall_layers(case)
     x, y, z = points.position.T
-    beside = ((y < 0.0) | (y > shape.width)) & (x > shape.runout_start)
+    beside = ((y < 0.0) | (y > shape.width)) & (x > start)
     below = -height_over_floor(case, x, z, x)
     sunk = np.flatnonzero(beside & (below > 0.0))
     aside, below_edge = np.maximum(-y, y - shape.width)[sunk], below[sunk]
@@ -233,10 +254,8 @@ def _beside_runout(
     return WallPoints(points.position, layer, name, normal, depth), kept
 
 
-def _tank_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
-    """Return the first cell along each axis, and the number of the wall in every cell or -1."""
-    shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
-    assert isinstance(shape, shapes.Tank)
+def _tank_cells(shape: shapes.Tank, case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:
+    d0, layers = case.particles.spacing, wall_layers(case)
     width, height = cells_along(shape.width, d0), cells_along(shape.height, d0)
     margin = 0 if shape.periodic else layers
     x = np.arange(-margin, width + margin)
@@ -249,9 +268,8 @@ def _tank_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
     return (x[0], y[0]), name
 
 
-def _tank3d_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
-    shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
-    assert isinstance(shape, shapes.Tank3D)
+def _tank3d_cells(shape: shapes.Tank3D, case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:
+    d0, layers = case.particles.spacing, wall_layers(case)
     length, width, height = (cells_along(s, d0) for s in (shape.length, shape.width, shape.height))
     margin = 0 if shape.periodic else layers
     x = np.arange(-layers, length + layers)
@@ -267,7 +285,7 @@ def _tank3d_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
     return (x[0], y[0], z[0]), name
 
 
-def _draw_obstacles(name: Cells, axes: tuple[Cells, Cells, Cells], case: tables.Case) -> None:
+def _draw_obstacles(name: Cells, axes: tuple[Cells, Cells, Cells], case: ResolvedCase) -> None:
     """Write the numbers of obstacles into the cells that they cover."""
     d0, start = case.particles.spacing, np.array([axis[0] for axis in axes])
     for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
@@ -282,26 +300,25 @@ def _draw_obstacles(name: Cells, axes: tuple[Cells, Cells, Cells], case: tables.
         name[np.ix_(*inside)] = number
 
 
-def _channel_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
-    x, y = _axes_of_section(case)
-    return (x[0], y[0]), _section_of_channel(case, x, y)
+def _channel_cells(shape: ResolvedChannel, case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:
+    x, y = _axes_of_section(shape, case)
+    return (x[0], y[0]), _section_of_channel(shape, case, x, y)
 
 
-def _axes_of_section(case: tables.Case) -> tuple[Cells, Cells]:
+def _axes_of_section(shape: shapes.ChannelShape, case: ResolvedCase) -> tuple[Cells, Cells]:
     """Return the cells along a channel and upward."""
-    shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
-    assert isinstance(shape, shapes.ChannelShape)
+    d0, layers = case.particles.spacing, wall_layers(case)
     margin = 0 if shape.periodic else 2 * layers
     x = np.arange(-margin, cells_along(shape.length, d0) + margin)
     recess = cells_along(shape.bed_thickness, d0)
     return x, np.arange(-recess - layers, cells_along(shape.height, d0))
 
 
-def _section_of_channel(case: tables.Case, x: Cells, y: Cells) -> Cells:
+def _section_of_channel(
+    shape: ResolvedChannelShape, case: ResolvedCase, x: Cells, y: Cells
+) -> Cells:
     """Return the number of the wall, or -1, in cells of a section along a channel; y is up."""
-    shape, d0, layers = case.geometry, case.particles.spacing, wall_layers(case)
-    assert isinstance(shape, shapes.ChannelShape)
-    assert shape.bed_end is not None
+    d0, layers = case.particles.spacing, wall_layers(case)
     length, recess = cells_along(shape.length, d0), cells_along(shape.bed_thickness, d0)
     start, end = cells_along(shape.bed_start, d0), cells_along(shape.bed_end, d0)
     level = np.zeros(x.size, dtype=int)
@@ -321,51 +338,46 @@ def _section_of_channel(case: tables.Case, x: Cells, y: Cells) -> Cells:
     if not shape.periodic:
         name[np.ix_(x >= end, y >= 0)] = np.where(solid[np.ix_(x >= end, y >= 0)], RIGHT, -1)
         # the supply comes through an opening in the wall, so that nothing flows back over it
-        sill = 0 if case.inflow is None else inflow_section(case).high
-        name[np.ix_(x < 0, y >= sill)] = LEFT
+        name[np.ix_(x < 0, y >= inflow_section(case).high)] = LEFT
     return np.asarray(name)
 
 
-def _channel3d_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
-    shape, layers = case.geometry, wall_layers(case)
-    assert isinstance(shape, shapes.Channel3D)
-    x, z = _axes_of_section(case)
-    if plain_edges(shape) is not None:
-        x = x[x < _runout_cell(case)]
-    y = np.arange(-layers, cells_along(shape.width, case.particles.spacing) + layers)
-    return (x[0], y[0], z[0]), _cells_of_channel(case, x, y, z)
+def _channel3d_cells(shape: ResolvedChannel3D, case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:
+    d0, layers, plain = case.particles.spacing, wall_layers(case), plain_of(shape)
+    x, z = _axes_of_section(shape, case)
+    if plain is not None:
+        x = x[x < cells_along(plain.start, d0)]
+    y = np.arange(-layers, cells_along(shape.width, d0) + layers)
+    return (x[0], y[0], z[0]), _cells_of_channel(shape, case, x, y, z)
 
 
-def _mouth_cells(case: tables.Case) -> tuple[tuple[int, ...], Cells]:
+def _mouth_cells(
+    shape: ResolvedChannel3D, plain: Plain, case: ResolvedCase
+) -> tuple[tuple[int, ...], Cells]:
     """Return the cells around the mouth on a plain, among them its head wall."""
-    mouth, layers = _runout_cell(case), wall_layers(case)
-    x, z = np.arange(mouth - 2 * layers, mouth + 2 * layers), _axes_of_section(case)[1]
-    y = np.arange(*_cells_across(case))
-    return (x[0], y[0], z[0]), _cells_of_channel(case, x, y, z)
+    mouth, layers = cells_along(plain.start, case.particles.spacing), wall_layers(case)
+    x, z = np.arange(mouth - 2 * layers, mouth + 2 * layers), _axes_of_section(shape, case)[1]
+    y = np.arange(*_cells_across(shape, case))
+    return (x[0], y[0], z[0]), _cells_of_channel(shape, case, x, y, z)
 
 
-def _runout_cell(case: tables.Case) -> int:
-    assert isinstance(case.geometry, shapes.ChannelShape)
-    assert case.geometry.runout_start is not None
-    return cells_along(case.geometry.runout_start, case.particles.spacing)
-
-
-def _cells_of_channel(case: tables.Case, x: Cells, y: Cells, z: Cells) -> Cells:
+def _cells_of_channel(
+    shape: ResolvedChannel3D, case: ResolvedCase, x: Cells, y: Cells, z: Cells
+) -> Cells:
     """Return the number of the wall, or -1, in cells of a channel in three dimensions.
 
     The section of the channel repeats across it; what is open in it is side wall beside it.
     """
-    shape = case.geometry
-    assert isinstance(shape, shapes.Channel3D)
+    plain = plain_of(shape)
     within = (y >= 0) & (y < cells_along(shape.width, case.particles.spacing))
-    name = np.repeat(_section_of_channel(case, x, z)[:, None, :], y.size, axis=1)
+    name = np.repeat(_section_of_channel(shape, case, x, z)[:, None, :], y.size, axis=1)
     if case.inflow is not None:
         opening = inflow_section(case)
         supplied = (y >= opening.first) & (y < opening.first + opening.wide)
         name[np.ix_(x < 0, within & ~supplied, z >= 0)] = LEFT
     walled = np.ones(x.size, dtype=bool)
-    if plain_edges(shape) is not None:
-        walled = x < _runout_cell(case)
+    if plain is not None:
+        walled = x < cells_along(plain.start, case.particles.spacing)
     beside = (name < 0) & (walled[:, None] & ~within)[:, :, None]
     name = np.where(beside, np.where(y < 0, FRONT, BACK)[:, None], name)
     _draw_obstacles(name, (x, y, z), case)

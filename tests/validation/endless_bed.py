@@ -65,7 +65,7 @@ def start(
         slope,
         layers,
         drag={"law": "gidaspow"},
-        strength={"law": "coulomb", "friction_angle": friction_angle, "mixing_length": 0.006},
+        strength={"type": "coulomb", "friction_angle": friction_angle, "mixing_length": 0.006},
     )
     return scheme(case), initial_state(case)
 

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from debrisflow.case import Case, tables
 from debrisflow.case.defaults import complete
-from debrisflow.case.materials import Mixture, Sediment, Strength, Water, bulk_density
+from debrisflow.case.materials import Mixture, Sediment, Water, bulk_density
+from debrisflow.case.strength import Bingham, HerschelBulkley, NoStrength
 from tests.validation.marching import states
 
 Floats = NDArray[np.float64]
@@ -25,7 +26,7 @@ DEPTH, SLOPE = 0.1, 10.0  # m, degrees
 WIDTH, ALONG = 0.16, 12  # m, spacings; along x the channel repeats
 VISCOSITY = 20.0  # Pa s
 CONSISTENCY, EXPONENT = 60.0, 0.5  # Pa s^n
-DENSITY = bulk_density(Mixture().concentration, Water(), Sediment(), Strength())
+DENSITY = bulk_density(Mixture().concentration, Water(), Sediment(), NoStrength())
 PULL = DENSITY * 9.81 * sin(radians(SLOPE))  # Pa/m
 MEAN_OVER = 0.2  # of the run, its last part
 
@@ -59,14 +60,14 @@ class Film:
 
 def bingham(share: float) -> dict[str, dict[str, object]]:
     """Return the tables of a Bingham slurry whose yield stress is a share of the bed stress."""
-    strength = {"law": "bingham", "yield_stress": share * PULL * DEPTH}
+    strength = {"type": "bingham", "yield_stress": share * PULL * DEPTH}
     return {"strength": strength, "mixture": {"viscosity": VISCOSITY}}
 
 
 def herschel_bulkley(share: float) -> dict[str, dict[str, object]]:
     """Return the tables of a Herschel-Bulkley slurry, as :func:`bingham`; it thins in shear."""
     strength = {
-        "law": "herschel-bulkley",
+        "type": "herschel-bulkley",
         "yield_stress": share * PULL * DEPTH,
         "consistency": CONSISTENCY,
         "exponent": EXPONENT,
@@ -101,7 +102,9 @@ def build(slurry: dict[str, dict[str, object]], rows: int, end: float) -> tables
     )
 
 
-def closed_form(strength: tables.Strength, viscosity: float, z: Floats) -> tuple[Floats, float]:
+def closed_form(
+    strength: Bingham | HerschelBulkley, viscosity: float, z: Floats
+) -> tuple[Floats, float]:
     """Return the speed at heights z and that of the plug, m/s.
 
         u = G / (2 mu) (2 y0 z - z^2)                                     of Bingham
@@ -109,12 +112,11 @@ def closed_form(strength: tables.Strength, viscosity: float, z: Floats) -> tuple
 
     up to y0 = h - tau0 / G, with G = rho g sin(slope); Bingham is n = 1 and K = mu.
     """
-    is_bingham = strength.law == "bingham"
-    consistency = viscosity if is_bingham else strength.consistency
-    n = 1.0 if is_bingham else strength.exponent
-    assert consistency is not None
-    assert n is not None
-    assert strength.yield_stress is not None
+    n, consistency = (
+        (1.0, viscosity)
+        if isinstance(strength, Bingham)
+        else (strength.exponent, strength.consistency)
+    )
     plug = DEPTH - strength.yield_stress / PULL
     power = 1.0 + 1.0 / n
     scale = (PULL / consistency) ** (1.0 / n) / power
@@ -135,6 +137,7 @@ def run(slurry: dict[str, dict[str, object]], rows: int = 20, end: float = 2.5) 
         height += np.bincount(row, z, minlength=rows)
         speed += np.bincount(row, p.velocity[p.fluid, 0], minlength=rows)
     z = height / count
+    assert isinstance(case.strength, Bingham | HerschelBulkley)
     exact, surface = closed_form(case.strength, case.mixture.viscosity, z)
     return Film(z, speed / count, exact, surface)
 

@@ -34,7 +34,7 @@ def run(rows: int, depth: float, roughness: float, mixing_length: float) -> floa
         SLOPE,
         [{"y": [0.0, depth], "material": "water"}],
         walls={"floor": {"roughness": roughness}},
-        strength={"law": "coulomb", "mixing_length": mixing_length},
+        strength={"type": "coulomb", "mixing_length": mixing_length},
     )
     scheme, state = SemiImplicit(case), initial_state(case)
     speeds = []

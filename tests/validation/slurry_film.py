@@ -21,7 +21,7 @@ SLOPES = {"bingham": 10.0, "herschel-bulkley": 10.0, "mu-i": 20.0}
 def strength(law: str) -> dict[str, object]:
     """Return the tables of a film."""
     mixture = {"concentration": CONCENTRATION, "viscosity": 0.0}
-    table: dict[str, object] = {"law": law}
+    table: dict[str, object] = {"type": law}
     if law == "mu-i":
         table |= {"friction_angle": STATIC, "dynamic_friction_angle": DYNAMIC, "saturated": False}
     else:

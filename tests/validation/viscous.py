@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
+from debrisflow.case.strength import Coulomb
 from debrisflow.particles.state import initial_state
 from debrisflow.schemes.semi_implicit import SemiImplicit
 
@@ -77,7 +78,7 @@ def error(
         force = 2.0 * VISCOSITY * speed / LENGTH**2
         case = channel(rows, (force, -force), False, 0.0)
     if implicit:
-        case = case.model_copy(update={"strength": tables.Strength(law="coulomb")})
+        case = case.model_copy(update={"strength": Coulomb(type="coulomb")})
     exact = {"poiseuille": poiseuille, "couette": couette, "film": film}[flow]
     scheme, state = SemiImplicit(case), initial_state(case)
     p, worst = state.particles, 0.0

@@ -13,7 +13,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.record import Kind
 from debrisflow.results.deposition import deposition
 from debrisflow.results.frames import Frame
@@ -87,7 +87,7 @@ class Extent(NamedTuple):
     depth: float
 
 
-def extent_of(case: tables.Case, frame: Frame) -> Extent:
+def extent_of(case: ResolvedCase, frame: Frame) -> Extent:
     """Return how far the flow of a frame reaches up."""
     up, d0 = case.dimension - 1, case.particles.spacing
     position = wrapped(case, frame.position[frame.fluid])
@@ -106,12 +106,12 @@ def highest(extents: Sequence[Extent]) -> Extent:
     return Extent(*np.max(extents, axis=0).tolist())
 
 
-def straightened(case: tables.Case, x: Floats, level: Floats) -> Floats:
+def straightened(case: ResolvedCase, x: Floats, level: Floats) -> Floats:
     """Return levels as if a run-out went on without its bend: heights along its normal, m.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     x, level : (n,) array, m
     """
     bend = floor_bend(case, x)
@@ -120,7 +120,7 @@ def straightened(case: tables.Case, x: Floats, level: Floats) -> Floats:
     return straight
 
 
-def side_window(case: tables.Case, extent: Extent) -> Window:
+def side_window(case: ResolvedCase, extent: Extent) -> Window:
     """Return what a side view shows: the floor with its ends, and the flow."""
     margin = MARGIN * case.particles.spacing
     level = straight_profile(case)[:, 1]
@@ -129,7 +129,7 @@ def side_window(case: tables.Case, extent: Extent) -> Window:
     return Window(-margin, floor_length(case) + margin, bottom - margin, top + free)
 
 
-def straight_profile(case: tables.Case) -> Floats:
+def straight_profile(case: ResolvedCase) -> Floats:
     """Return the corners of the floor, a run-out straightened, (n, 2) array, m."""
     x, level = np.array(floor_profile(case)).T
     return np.column_stack([x, straightened(case, x, level)])
@@ -140,14 +140,14 @@ class SidePanels:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     window : Window
     """
 
     name = "side"
     room = 1.55
 
-    def __init__(self, case: tables.Case, window: Window) -> None:
+    def __init__(self, case: ResolvedCase, window: Window) -> None:
         self.case, self.window = case, window
         natural = panel_width(self.room) * window.height / window.width
         enough = (s for s in STRETCHES if s * natural >= LOWEST_PANEL)
@@ -202,7 +202,7 @@ class PlanPanels:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     frames : sequence of Frame
         From whose deposits the contours are chosen.
     """
@@ -210,7 +210,7 @@ class PlanPanels:
     name = "plan"
     room = 1.55
 
-    def __init__(self, case: tables.Case, frames: Sequence[Frame]) -> None:
+    def __init__(self, case: ResolvedCase, frames: Sequence[Frame]) -> None:
         self.case, self.grid = case, plan(case)
         margin = MARGIN * case.particles.spacing
         front, back = self.grid.across[[0, -1]]
@@ -308,7 +308,7 @@ def over_grid(grid: Grid, values: Floats) -> Floats:
     return table
 
 
-def plan_outlines(case: tables.Case) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+def plan_outlines(case: ResolvedCase) -> list[tuple[tuple[float, float], tuple[float, float]]]:
     """Return the lines of walls as seen from above, each by its two ends, (x, y) in m."""
     xs = sorted({x for x, _ in floor_profile(case)})
     lines = []
@@ -327,7 +327,7 @@ class PerspectivePanels:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     extent : Extent
         Walls are shown as high as the flow, if they are higher.
     """
@@ -336,7 +336,7 @@ class PerspectivePanels:
     room = 0.35
     remark = ""
 
-    def __init__(self, case: tables.Case, extent: Extent) -> None:
+    def __init__(self, case: ResolvedCase, extent: Extent) -> None:
         self.case = case
         self.scene = scene_of(case, 1.2 * extent.depth)
         along, upward = -np.array(case.gravity.components)
@@ -394,7 +394,7 @@ class PerspectivePanels:
 
 
 def _fresh(
-    view: SectionView | None, window: Window, pixels: Pixels, case: tables.Case
+    view: SectionView | None, window: Window, pixels: Pixels, case: ResolvedCase
 ) -> SectionView:
     """Return a section that fits the pixels: the one there is, or a new one."""
     fine = (FINER * pixels[0], FINER * pixels[1])

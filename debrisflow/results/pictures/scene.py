@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.regions import runout_rise, surface_of
-from debrisflow.case.shapes import Channel3D, ChannelShape, Tank3D, plain_edges
+from debrisflow.case.shapes import ChannelShape, Tank3D, is_three_dimensional, plain_of
 from debrisflow.space.floor import floor_level
 
 Floats = NDArray[np.float64]
@@ -42,18 +42,16 @@ class Scene(NamedTuple):
         return np.concatenate([face.reshape(-1, 3) for face in faces])
 
 
-def scene_of(case: tables.Case, wall_height: float) -> Scene:
+def scene_of(case: ResolvedCase, wall_height: float) -> Scene:
     """Return the surfaces of a case in three dimensions.
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     wall_height : float, m
         Up to which walls are shown.
     """
-    shape = case.geometry
-    assert isinstance(shape, Channel3D | Tank3D)
-    profile, top = floor_profile(case), min(wall_height, shape.height)
+    profile, top = floor_profile(case), min(wall_height, case.geometry.height)
     floor: list[Floats] = []
     behind: list[Floats] = []
     before: list[Floats] = []
@@ -73,7 +71,7 @@ def scene_of(case: tables.Case, wall_height: float) -> Scene:
     return Scene(floor, behind, before, obstacle_faces(case))
 
 
-def floor_profile(case: tables.Case) -> list[tuple[float, float]]:
+def floor_profile(case: ResolvedCase) -> list[tuple[float, float]]:
     """Return the corners of the fixed floor along x, (x, level) in m, its steps among them.
 
     Examples
@@ -108,28 +106,25 @@ def floor_profile(case: tables.Case) -> list[tuple[float, float]]:
     return profile
 
 
-def edges_across(case: tables.Case, x: float) -> tuple[float, float]:
+def edges_across(case: ResolvedCase, x: float) -> tuple[float, float]:
     """Return the two y between which there is a floor at x, m."""
     shape = case.geometry
-    assert isinstance(shape, Channel3D | Tank3D)
-    plain = plain_edges(shape)
-    if plain is not None and isinstance(shape, Channel3D):
-        assert shape.runout_start is not None
-        if x > shape.runout_start:
-            return plain
-    return 0.0, shape.width
+    if not is_three_dimensional(shape):
+        raise TypeError("a floor has edges across in three dimensions only")
+    plain = plain_of(shape)
+    return (plain.front, plain.back) if plain and x > plain.start else (0.0, shape.width)
 
 
-def has_sides(case: tables.Case, x: float) -> bool:
+def has_sides(case: ResolvedCase, x: float) -> bool:
     """Return whether walls stand beside the floor at x: not on a plain nor where it repeats."""
     shape = case.geometry
     if isinstance(shape, Tank3D):
         return not shape.periodic
-    assert isinstance(shape, Channel3D)
-    return plain_edges(shape) is None or edges_across(case, x) == (0.0, shape.width)
+    plain = plain_of(shape)
+    return plain is None or edges_across(case, x) == (0.0, plain.mouth)
 
 
-def closed_ends(case: tables.Case) -> list[float]:
+def closed_ends(case: ResolvedCase) -> list[float]:
     """Return the x at which walls close the space, m."""
     shape = case.geometry
     if isinstance(shape, Tank3D):
@@ -137,19 +132,16 @@ def closed_ends(case: tables.Case) -> list[float]:
     return [] if shape.periodic else [0.0]
 
 
-def head_walls(case: tables.Case) -> list[tuple[float, float, float]]:
+def head_walls(case: ResolvedCase) -> list[tuple[float, float, float]]:
     """Return x and the two y of the walls beside the mouth of a channel onto a plain, m."""
-    shape = case.geometry
-    plain = plain_edges(shape)
+    plain = plain_of(case.geometry)
     if plain is None:
         return []
-    assert isinstance(shape, Channel3D)
-    assert shape.runout_start is not None
-    ends = [(plain[0], 0.0), (shape.width, plain[1])]
-    return [(shape.runout_start, start, end) for start, end in ends if end > start]
+    ends = [(plain.front, 0.0), (plain.mouth, plain.back)]
+    return [(plain.start, start, end) for start, end in ends if end > start]
 
 
-def obstacle_faces(case: tables.Case) -> list[Floats]:
+def obstacle_faces(case: ResolvedCase) -> list[Floats]:
     """Return the faces of each obstacle, (n, 4, 3) of a box and (n, 3, 3) of a mesh, m."""
     faces = []
     for part in case.obstacle:
@@ -161,7 +153,7 @@ def obstacle_faces(case: tables.Case) -> list[Floats]:
     return faces
 
 
-def _rise(case: tables.Case, x: float) -> float:
+def _rise(case: ResolvedCase, x: float) -> float:
     """Return by how much a run-out has risen at x, m; a recess and a weir do not count."""
     shape = case.geometry
     if not isinstance(shape, ChannelShape) or shape.runout_start is None:

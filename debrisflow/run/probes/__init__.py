@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase, tables
 from debrisflow.case.probes import (
     AnyProbe,
     ForceProbe,
@@ -22,6 +22,7 @@ from debrisflow.case.probes import (
     SectionProbe,
     VolumeProbe,
 )
+from debrisflow.case.resolved import ResolvedHeightProbe, ResolvedPressureProbe
 from debrisflow.errors import CaseError
 from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.record import Kind, Particles
@@ -54,7 +55,7 @@ class Measure(Protocol):
         """Return the columns of the probe after the time."""
 
 
-def probe_measures(case: tables.Case, particles: Particles) -> dict[str, Measure]:
+def probe_measures(case: ResolvedCase, particles: Particles) -> dict[str, Measure]:
     """Return what takes the samples of each probe of a case, by its name.
 
     Raises
@@ -96,8 +97,9 @@ class Height:
     The base ends at the ends of the space; keep it a spacing away from the sides of an obstacle.
     """
 
-    def __init__(self, probe: HeightProbe, case: tables.Case, particles: Particles) -> None:
-        assert probe.size is not None
+    def __init__(
+        self, probe: ResolvedHeightProbe, case: ResolvedCase, particles: Particles
+    ) -> None:
         self._name = probe.name
         self._d0, self._axes, self._up = case.particles.spacing, case.dimension, case.dimension - 1
         lattice = reference(case.dimension, case.particles.effective_radius, self._d0)
@@ -136,7 +138,7 @@ class Height:
             offset - np.where(self._period > 0.0, self._period, 0.0) * np.rint(offset / repeat)
         )
 
-    def _base(self, p: Particles, case: tables.Case) -> float:
+    def _base(self, p: Particles, case: ResolvedCase) -> float:
         """Return the level of the highest wall under the place that looks up, m."""
         solid = slice(p.inflow.stop, p.count)
         under = np.all(np.abs(self._offset(p.position[solid])) <= (0.5 + 1e-6) * self._d0, axis=1)
@@ -156,8 +158,9 @@ class PatchPressure:
     on the face that is nearest to the given place.
     """
 
-    def __init__(self, probe: PressureProbe, case: tables.Case, particles: Particles) -> None:
-        assert probe.size is not None
+    def __init__(
+        self, probe: ResolvedPressureProbe, case: ResolvedCase, particles: Particles
+    ) -> None:
         faces = wall_faces(case, particles, probe.wall)
         if len(faces.position) == 0:
             raise CaseError(f"probe '{probe.name}': nothing of {probe.wall} is open to the fluid")
@@ -185,7 +188,7 @@ class WallForce:
     """
 
     def __init__(
-        self, probe: ForceProbe, case: tables.Case, particles: Particles, number: int
+        self, probe: ForceProbe, case: ResolvedCase, particles: Particles, number: int
     ) -> None:
         self._case, self._number = case, number
         self._faces = wall_faces(case, particles, probe.wall)
@@ -224,7 +227,7 @@ class Section:
     mean discharge is the difference of two rows.
     """
 
-    def __init__(self, probe: SectionProbe, case: tables.Case, number: int) -> None:
+    def __init__(self, probe: SectionProbe, case: ResolvedCase, number: int) -> None:
         self._x, self._number = probe.x, number
         self._d0, self._axes = case.particles.spacing, case.dimension
         self._volume = particle_volume(case)
@@ -261,7 +264,7 @@ class BoxVolume:
     What is counted is whole particles, so that boxes beside each other add up.
     """
 
-    def __init__(self, probe: VolumeProbe, case: tables.Case) -> None:
+    def __init__(self, probe: VolumeProbe, case: ResolvedCase) -> None:
         extents = (probe.x, probe.y, probe.z or (-np.inf, np.inf))
         self._lower, self._upper = np.array(extents).T
         self._volume = particle_volume(case)
@@ -364,7 +367,7 @@ def _section_meanings(dimension: int) -> list[tuple[str, str]]:
     ]
 
 
-def _pressure_on(faces: Faces, case: tables.Case, state: State) -> Floats:
+def _pressure_on(faces: Faces, case: ResolvedCase, state: State) -> Floats:
     p, rows = state.particles, state.particles.fluid
     pressure = p.pressure[rows]
     if isinstance(case.scheme, tables.ExplicitScheme):

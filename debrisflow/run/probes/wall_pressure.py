@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from debrisflow.case import shapes, tables
-from debrisflow.case.shapes import plain_edges
+from debrisflow.case import ResolvedCase, shapes
+from debrisflow.case.shapes import plain_of
 from debrisflow.particles.hydrostatic_start import are_among
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.space.domain import domain, wall_names
@@ -43,7 +43,7 @@ class Faces(NamedTuple):
     normal: Floats
 
 
-def wall_faces(case: tables.Case, particles: Particles, name: str) -> Faces:
+def wall_faces(case: ResolvedCase, particles: Particles, name: str) -> Faces:
     """Return the faces of a wall or obstacle that open space, and so fluid, can touch.
 
     A cell of wall shows a face to every open cell beside it, a cell at an edge two or three.
@@ -52,7 +52,7 @@ def wall_faces(case: tables.Case, particles: Particles, name: str) -> Faces:
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     particles : Particles
         With all wall particles, dummies among them.
     name : str
@@ -87,7 +87,7 @@ def wall_faces(case: tables.Case, particles: Particles, name: str) -> Faces:
 
 
 def face_pressure(
-    faces: Faces, case: tables.Case, position: Floats, pressure: Floats, density: Floats
+    faces: Faces, case: ResolvedCase, position: Floats, pressure: Floats, density: Floats
 ) -> Floats:
     """Return the pressure of the fluid on the faces of a wall, Pa.
 
@@ -104,7 +104,7 @@ def face_pressure(
     Parameters
     ----------
     faces : Faces
-    case : Case
+    case : ResolvedCase
     position : (n, 3) float64 array, m
         Of the fluid particles only.
     pressure, density : (n,) float64 array, Pa, kg/m3
@@ -161,7 +161,7 @@ def force(faces: Faces, pressure: Floats, area: float, about: Floats) -> tuple[F
     return pushes.sum(axis=0), np.cross(faces.position - about, pushes).sum(axis=0)
 
 
-def patch_shares(faces: Faces, center: Floats, size: float, case: tables.Case) -> Floats:
+def patch_shares(faces: Faces, center: Floats, size: float, case: ResolvedCase) -> Floats:
     """Return how much of each face lies in a square patch of the surface, (n,) array, 0 to 1.
 
     Of a face that is level with the center of the patch, within half a spacing along its normal,
@@ -181,7 +181,7 @@ def patch_shares(faces: Faces, center: Floats, size: float, case: tables.Case) -
     return share
 
 
-def nearest_on(faces: Faces, place: Floats, case: tables.Case) -> tuple[Floats, float]:
+def nearest_on(faces: Faces, place: Floats, case: ResolvedCase) -> tuple[Floats, float]:
     """Return a place moved onto the plane of the nearest face, and its distance to the face, m."""
     offset = faces.position - place
     across = np.abs(offset) - 0.5 * case.particles.spacing * np.sqrt(1.0 - faces.normal**2)
@@ -204,14 +204,14 @@ def _wrapped(cell: Cells, period: Cells) -> Cells:
     return np.where(period > 0, np.mod(cell, np.maximum(period, 1)), cell)
 
 
-def _in_space(case: tables.Case, position: Floats) -> NDArray[np.bool_]:
+def _in_space(case: ResolvedCase, position: Floats) -> NDArray[np.bool_]:
     """Return which points lie over the floor of the space and below the rim of its walls."""
     shape, up = case.geometry, case.dimension - 1
     x, y, level = position[:, 0], position[:, 1], position[:, up]
     inside = is_over_floor(case, x, y)
     if isinstance(shape, shapes.ChannelShape) and shape.runout_start is not None:
         inside &= height_over_floor(case, x, level, x) > 0.0
-    if plain_edges(shape) is not None:
+    if plain_of(shape) is not None:
         level = level - np.maximum(floor_level(case, x), 0.0)
     return np.asarray(inside & (level < shape.height))
 

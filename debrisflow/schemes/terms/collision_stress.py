@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import VISCOUS_LIMIT
 from debrisflow.physics.collision_stress import (
     collide_grains,
@@ -31,7 +31,7 @@ class CollisionStress(Term):
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     density, sound_speed : float, kg/m3, m/s
         Of a weakly compressible fluid, by which the study's temperature is capped; an infinite
         speed caps nothing.
@@ -39,7 +39,7 @@ class CollisionStress(Term):
 
     name = "collision stress"
 
-    def __init__(self, case: tables.Case, density: float, sound_speed: float) -> None:
+    def __init__(self, case: ResolvedCase, density: float, sound_speed: float) -> None:
         self._law = case.collision_stress.granular_temperature
         self._given = case.collision_stress.concentration
         self._grains = grains_of(case)
@@ -84,7 +84,7 @@ class MixtureCollisions(CollisionStress):
     """
 
     def __init__(
-        self, case: tables.Case, density: float, sound_speed: float, is_implicit: bool
+        self, case: ResolvedCase, density: float, sound_speed: float, is_implicit: bool
     ) -> None:
         super().__init__(case, density, sound_speed)
         self._is_implicit = is_implicit

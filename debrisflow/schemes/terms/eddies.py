@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.physics.viscosity import eddy_viscosity
 from debrisflow.schemes.terms.term import Scene, Term
 from debrisflow.space.floor import floor_roughness, height_over_floor
@@ -18,12 +18,12 @@ class Eddies(Term):
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     """
 
     name = "eddies"
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         self._case, self._length = case, case.strength.mixing_length
 
     def observe(self, scene: Scene) -> None:

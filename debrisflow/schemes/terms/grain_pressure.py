@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.materials import pore_density
+from debrisflow.case.strength import FrictionalStrength
 from debrisflow.errors import NotConvergedError
 from debrisflow.physics.grain_pressure import assemble_grain_pressure, couple_grains
 from debrisflow.schemes.linear import Solver
 from debrisflow.schemes.pair_solver import couplings_of, solve_pairs
-from debrisflow.schemes.records import law_of
 from debrisflow.schemes.system import SystemRoom
 from debrisflow.schemes.terms.term import Scene, Step, Term
 
@@ -30,21 +30,24 @@ class GrainPressure(Term):
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     gravity : (3,) float64 array, m/s2
-    ramp_start : float
-        Concentration where strength begins.
+    strength : FrictionalStrength
     room : SystemRoom
     """
 
     name = "grain pressure"
 
     def __init__(
-        self, case: tables.Case, gravity: Floats, ramp_start: float, room: SystemRoom
+        self,
+        case: ResolvedCase,
+        strength: FrictionalStrength,
+        gravity: Floats,
+        room: SystemRoom,
     ) -> None:
-        self._room = room
-        self._gravity, self._least = gravity, WEIGHING * ramp_start
-        self._submerged = case.sediment.density - pore_density(case.water, case.strength)
+        self._room, self._gravity = room, gravity
+        self._least = WEIGHING * strength.concentration_ramp[0]
+        self._submerged = case.sediment.density - pore_density(case.water, strength)
         self._solver = Solver(TOLERANCE)
 
     def refresh(self) -> None:
@@ -79,7 +82,8 @@ class MixtureGrainPressure(Term):
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
+    strength : FrictionalStrength
     gravity : (3,) float64 array, m/s2
     is_even : bool
         Whether all matter has the same concentration.
@@ -87,8 +91,15 @@ class MixtureGrainPressure(Term):
 
     name = "grain pressure"
 
-    def __init__(self, case: tables.Case, gravity: Floats, is_even: bool) -> None:
-        self._case, self._is_even, self._ramp_start = case, is_even, law_of(case).ramp_start
+    def __init__(
+        self,
+        case: ResolvedCase,
+        strength: FrictionalStrength,
+        gravity: Floats,
+        is_even: bool,
+    ) -> None:
+        self._case, self._is_even = case, is_even
+        self._least = WEIGHING * strength.concentration_ramp[0]
         self._gravity = gravity
 
     def act(self, step: Step) -> None:
@@ -100,7 +111,7 @@ class MixtureGrainPressure(Term):
             share = weight / (p.density[rows] * (g or 1.0))
             np.maximum(share * step.pressure, half * weight, out=p.grain_pressure[rows])
             return
-        is_bed = scene.level >= WEIGHING * self._ramp_start
+        is_bed = scene.level >= self._least
         surface = p.on_free_surface[rows]
         system = couplings_of(scene.near, is_bed & ~surface)
         right = np.empty((rows.stop, 1))
@@ -114,7 +125,7 @@ class MixtureGrainPressure(Term):
         np.maximum(solution[:, 0], 0.0, out=p.grain_pressure[rows])
 
 
-def grain_weight(scene: Scene, case: tables.Case, g: float) -> Floats:
+def grain_weight(scene: Scene, case: ResolvedCase, g: float) -> Floats:
     """Return the weight that the grains carry, N/m3: that less buoyancy, where water is."""
     pores = pore_density(case.water, case.strength)
     return np.asarray(scene.level * (case.sediment.density - pores) * g)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.record import Particles
 from debrisflow.physics.images import find_mirrors, no_mirrors
 from debrisflow.physics.momentum_exchange import Flow, couple_momentum, resist
@@ -27,7 +27,7 @@ class MomentumExchange(Term):
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     gravity : (3,) float64 array, m/s2
     residual : float
         Share of gravity that the solution leaves out of balance.
@@ -38,7 +38,7 @@ class MomentumExchange(Term):
     name = "exchange of momentum"
 
     def __init__(
-        self, case: tables.Case, gravity: Floats, residual: float, least_viscosity: float = 0.0
+        self, case: ResolvedCase, gravity: Floats, residual: float, least_viscosity: float = 0.0
     ) -> None:
         self._case, self._law, self._residual = case, law_of(case), residual
         self._g = float(np.linalg.norm(gravity))
@@ -95,7 +95,7 @@ class MomentumExchange(Term):
         flow = Flow(
             density=p.density[rows],
             concentration=level,
-            consistency=consistency_at(level, self._law) if self._law.consistency > 0.0 else None,
+            consistency=consistency_at(level, self._law),
             viscosity=scene.viscosity,
             eddies=scene.eddies,
             strength=strength,

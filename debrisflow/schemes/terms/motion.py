@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.errors import DivergedError
 from debrisflow.particles.inflow_outflow import advance_supply, remove_leaving, wrap
 from debrisflow.particles.record import Particles
@@ -26,7 +26,7 @@ class Motion(Term):
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     domain : Domain
     path : float
         Greatest path of a particle in a step, in spacings.
@@ -37,7 +37,7 @@ class Motion(Term):
     name = "motion"
 
     def __init__(
-        self, case: tables.Case, domain: Domain, path: float, slip: Slip | None = None
+        self, case: ResolvedCase, domain: Domain, path: float, slip: Slip | None = None
     ) -> None:
         self._case, self._domain, self._path, self._slip = case, domain, path, slip
 

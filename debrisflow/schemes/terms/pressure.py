@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case.resolved import ResolvedScheme
 from debrisflow.errors import NotConvergedError
 from debrisflow.physics import pressure
 from debrisflow.schemes.linear import Solver, remove_mean
@@ -17,14 +17,14 @@ class PressureEquation(Term):
 
     Parameters
     ----------
-    scheme : Scheme
+    scheme : ResolvedScheme
     dimension : int
     room : SystemRoom
     """
 
     name = "pressure equation"
 
-    def __init__(self, scheme: tables.Scheme, dimension: int, room: SystemRoom) -> None:
+    def __init__(self, scheme: ResolvedScheme, dimension: int, room: SystemRoom) -> None:
         self._room = room
         is_symmetric = scheme.interface == "symmetric"
         self._interface = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.record import Kind
 from debrisflow.physics.viscosity import viscous_acceleration
 from debrisflow.schemes.terms.term import Scene, Step, Term
@@ -15,12 +15,12 @@ class NewtonianViscosity(Term):
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     """
 
     name = "viscosity"
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         self._of_kind = np.zeros(len(Kind))
         self._of_kind[Kind.LIQUID] = case.water.viscosity
         self._of_kind[Kind.SEDIMENT] = case.sediment.viscosity
@@ -38,12 +38,12 @@ class MixtureViscosity(Term):
 
     Parameters
     ----------
-    case : Case
+    case : ResolvedCase
     """
 
     name = "viscosity"
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         self._water, self._mixture = case.water.viscosity, case.mixture.viscosity
 
     def observe(self, scene: Scene) -> None:

@@ -1,0 +1,147 @@
+"""The tables of a resolved case, in which nothing is left open that follows from other fields."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, TypeVar
+
+from pydantic import Field
+
+from debrisflow.case.fields import Table
+from debrisflow.case.probes import (
+    ForceProbe,
+    HeightProbe,
+    PressureProbe,
+    SectionProbe,
+    VolumeProbe,
+)
+from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Tank, Tank3D
+from debrisflow.case.tables import (
+    Case,
+    ExplicitScheme,
+    Hydrograph,
+    Inflow,
+    Output,
+    Scheme,
+    Time,
+)
+
+_Resolved = TypeVar("_Resolved", bound=Table)
+
+
+def _known(table: type[Table], name: str) -> Any:
+    """Return a field as a table has it, but without a default."""
+    field = table.model_fields[name]
+    return Field(description=field.description, json_schema_extra=field.json_schema_extra)
+
+
+def resolved(kind: type[_Resolved], table: Table, **found: object) -> _Resolved:
+    """Return a table as its resolved kind: what it leaves open takes the values found.
+
+    Examples
+    --------
+    >>> resolved(ResolvedTime, Time(end=2.0), largest_step=0.001).largest_step
+    0.001
+    """
+    given = {name: value for name, value in table if value is not None}
+    return kind(**(found | given))
+
+
+class ResolvedChannel(Channel):
+    """A channel in two dimensions of which the end of the recess is known."""
+
+    bed_end: float = _known(ChannelShape, "bed_end")
+
+
+class ResolvedChannel3D(Channel3D):
+    """A channel in three dimensions of which the end of the recess is known."""
+
+    bed_end: float = _known(ChannelShape, "bed_end")
+
+
+class SteadyInflow(Inflow):
+    """A supply that does not change."""
+
+    discharge: float = _known(Inflow, "discharge")
+    velocity: float = _known(Inflow, "velocity")
+    hydrograph: None = _known(Inflow, "hydrograph")
+
+
+class UnsteadyInflow(Inflow):
+    """A supply that follows a hydrograph."""
+
+    hydrograph: Hydrograph = _known(Inflow, "hydrograph")
+
+
+class ResolvedScheme(Scheme):
+    """The semi-implicit scheme with its operators chosen."""
+
+    gradient: Literal["sum", "cmps"] = _known(Scheme, "gradient")
+    interface: Literal["symmetric", "study"] = _known(Scheme, "interface")
+    free_surface: Literal["asymmetry", "density"] = _known(Scheme, "free_surface")
+    density_relaxation: float = _known(Scheme, "density_relaxation")
+
+
+class ResolvedExplicitScheme(ExplicitScheme):
+    """The explicit scheme with its speed of sound."""
+
+    sound_speed: float = _known(ExplicitScheme, "sound_speed")
+    density_relaxation: float = _known(ExplicitScheme, "density_relaxation")
+
+
+class ResolvedTime(Time):
+    """Simulated time, and the greatest step."""
+
+    largest_step: float = _known(Time, "largest_step")
+
+
+class ResolvedOutput(Output):
+    """What is written and when."""
+
+    deposit_interval: float = _known(Output, "deposit_interval")
+    history_interval: float = _known(Output, "history_interval")
+
+
+class ResolvedHeightProbe(HeightProbe):
+    """A probe of height of known size."""
+
+    size: float = _known(HeightProbe, "size")
+
+
+class ResolvedPressureProbe(PressureProbe):
+    """A probe of pressure of known size."""
+
+    size: float = _known(PressureProbe, "size")
+
+
+ResolvedChannelShape = ResolvedChannel | ResolvedChannel3D
+ResolvedGeometry = Tank | ResolvedChannel | Tank3D | ResolvedChannel3D
+ResolvedInflow = SteadyInflow | UnsteadyInflow
+AnyResolvedScheme = ResolvedScheme | ResolvedExplicitScheme
+ResolvedProbe = (
+    ResolvedHeightProbe | ResolvedPressureProbe | ForceProbe | SectionProbe | VolumeProbe
+)
+
+
+class ResolvedCase(Case):
+    """A case that is checked, and in which nothing is left open."""
+
+    geometry: ResolvedGeometry = _known(Case, "geometry")
+    inflow: ResolvedInflow | None = _known(Case, "inflow")
+    scheme: AnyResolvedScheme = _known(Case, "scheme")
+    time: ResolvedTime = _known(Case, "time")
+    output: ResolvedOutput = _known(Case, "output")
+    probe: tuple[ResolvedProbe, ...] = _known(Case, "probe")
+
+    @property
+    def semi_implicit_scheme(self) -> ResolvedScheme:
+        """The scheme of a case that is computed by the semi-implicit one; TypeError of others."""
+        if isinstance(self.scheme, ResolvedScheme):
+            return self.scheme
+        raise TypeError("the scheme of the case is not semi-implicit")
+
+    @property
+    def explicit_scheme(self) -> ResolvedExplicitScheme:
+        """The scheme of a case that is computed by the explicit one; TypeError of others."""
+        if isinstance(self.scheme, ResolvedExplicitScheme):
+            return self.scheme
+        raise TypeError("the scheme of the case is not explicit")
