@@ -60,6 +60,8 @@ def smooth_weight(q: Floats) -> Floats:
 def reference(dimension: int, effective_radius: float, spacing: float) -> Reference:
     """Return the lattice constants of an influence radius given in spacings.
 
+    ``n0 = sum of w`` and ``lambda = sum of w r^2 / sum of w``, equation (16).
+
     Parameters
     ----------
     dimension : int

@@ -130,13 +130,13 @@ def is_inside(weight):
 
 @kernel
 def gradient_factor(near):
-    """Return ``Ds / n0``, the factor of the sums of equations (4) and (14)."""
+    """Return ``Ds / n0``, the factor of the sums of equation (4) and equation (14)."""
     return near.dimension / near.number_density
 
 
 @kernel
 def laplacian_factor(near):
-    """Return ``2 Ds / (lambda n0)``, 1/m2, the factor of the sum of equation (15)."""
+    """Return ``2 Ds / (lambda n0)``, 1/m2, the factor of the Laplacian of equation (15)."""
     return 2.0 * near.dimension / (near.laplacian_lambda * near.number_density)
 
 

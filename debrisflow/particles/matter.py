@@ -26,7 +26,10 @@ def set_material(
 def set_fraction(
     particles: Particles, rows: slice | NDArray[np.int64], fraction: float, case: ResolvedCase
 ) -> None:
-    """Give rows a sediment fraction and the density of that mixture with water."""
+    """Give rows a sediment fraction and the density of that mixture with water.
+
+    A particle keeps both while it moves: ``D rho / Dt = 0``, equation (1).
+    """
     particles.sediment_fraction[rows] = fraction
     particles.density[rows] = bulk_density(fraction, case.water, case.sediment, case.strength)
 

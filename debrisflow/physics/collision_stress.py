@@ -53,7 +53,7 @@ def collide_grains(c, grains, n0, n, temperature, pressure, viscosity):
 
 @kernel
 def collision_force_at(i, velocity, fraction, pressure, viscosity, near, solid):
-    """Return ``-div P_s`` of particle i, N/m3, the last term of equation (3).
+    """Return ``-div P_s`` of particle i, N/m3, what equation (3) of the solid has beyond (2).
 
     Pressure in the conservative sum form, shear as a Laplacian with the mean viscosity of the
     pair; both act between particles that hold sediment and are opposite on the two.  A no-slip

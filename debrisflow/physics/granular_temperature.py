@@ -37,7 +37,9 @@ def algebraic_temperatures(rate, fraction, grains, temperature):
 def neighborhood_temperature_at(i, velocity, fraction, near):
     """Return the variance of the velocity of the grains in reach, over Ds, m2/s2.
 
-        T = (1/Ds) [ mean of |u_j|^2 - |mean of u_j|^2 ],  equations (20) and (21)
+        T = (1/Ds) [ mean of |u_j|^2 - |mean of u_j|^2 ]
+
+    Equation (20), about the mean of equation (21).
 
     The study's form.  The variance contains the resolved shear, ``shear_rate^2 r_e^2 / 8`` in two
     dimensions and ``/ 15`` in three, and so vanishes with the spacing squared.  The deviation of

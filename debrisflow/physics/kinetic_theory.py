@@ -50,14 +50,21 @@ def radial_distribution(c, packing_limit):
 
 @kernel
 def granular_pressure(c, temperature, grains):
-    """Return ``2 rho_s C^2 g0 (1 + e) T``, the isotropic part of equation (10), Pa."""
+    """Return ``2 rho_s C^2 g0 (1 + e) T``, the isotropic part of equation (10), Pa.
+
+    The kinetic part ``C rho_s T`` is left out, as in the study.
+    """
     g0 = radial_distribution(c, grains.packing_limit)
     return 2.0 * grains.density * c * c * g0 * (1.0 + grains.restitution) * temperature
 
 
 @kernel
 def granular_viscosity(c, temperature, grains):
-    """Return ``0.8 C^2 d_m rho_s g0 (1 + e) sqrt(T / pi)``, half the factor of S in (10), Pa s."""
+    """Return ``0.8 C^2 d_m rho_s g0 (1 + e) sqrt(T / pi)``, Pa s.
+
+    Half of the factor of S in equation (10) and, in three dimensions, in equation (19), whose bulk
+    viscosity acts on ``div v`` and is left out: the study takes that to be 0.
+    """
     g0 = radial_distribution(c, grains.packing_limit)
     return (
         0.8

@@ -63,8 +63,9 @@ def gradient_at(i, values, with_walls, near, solid):
     """Return the conservative gradient ``(Ds/n0) sum of (f_i + f_j) r_ij w / r^2``.
 
     Exact for a linear field on the full lattice, and its pair terms are equal and opposite, so a
-    pressure force conserves momentum.  Walls without a value of their own take that of i, or are
-    left out unless ``with_walls``.
+    pressure force conserves momentum.  It stands in the place of the study's equation (14),
+    ``(Ds/n0) sum of (p_j - p_min) r_ij w / r^2``, with which still water does not hold.  Walls
+    without a value of their own take that of i, or are left out unless ``with_walls``.
 
     Parameters
     ----------

@@ -157,6 +157,8 @@ def source_sums_at(i, velocity, near, solid):
 def coefficients_at(i, density, near, solid, interface, system):
     """Write the coefficients of row i; return how many, their sum, and whether fluid is among them.
 
+    The Laplacian of variable density, equation (8), as ``sum of A_ij (p_j - p_i)``:
+
         A_ij = (r_e / r^3) (own / rho_i + other / rho_j + mean 2 / (rho_i + rho_j))
 
     Pairs beyond the influence radius have no entry: the solver reads each one many times.
@@ -185,6 +187,9 @@ def coefficients_at(i, density, near, solid, interface, system):
 @kernel
 def source_at(i, velocity, density, near, solid, surface, source, system, n, on_free_surface):
     """Write the right side of row i, n_i, and what its disorder adds to the diagonal.
+
+    The pressure equation of a fluid of variable density, equation (7),
+    ``div (grad p / rho) = div u* / dt``, discrete:
 
         (1/n0) sum of A_ij (p_j - p_i)  -  (6 / (n0 rho_i)) a_i . b_i p_i
             = (1/(n0 dt)) [ sum of (r_e / r^3) r_ij . u*_ij - (n - n0) / tau ]

@@ -11,7 +11,7 @@ from debrisflow.schemes.terms.term import Scene, Step, Term
 
 
 class NewtonianViscosity(Term):
-    """The dynamic viscosity of the matter of each particle, equations (2) and (3).
+    """The dynamic viscosity of the matter of each particle: mu_l of equation (2), mu_s of (3).
 
     Parameters
     ----------
