@@ -11,6 +11,7 @@ import click
 
 from debrisflow import __version__
 from debrisflow.errors import DebrisflowError
+from debrisflow.particles.arrays import COLORED
 
 INTERRUPTED = 130  # as a shell has it
 _PATH = click.Path(path_type=Path)
@@ -263,7 +264,7 @@ def _tell_files(files: Sequence[Path]) -> None:
 @_results
 @click.option(
     "--by",
-    type=click.Choice(["kind", "speed", "concentration", "pressure", "granular_temperature"]),
+    type=click.Choice(list(COLORED)),
     help="What the colors say; if left out the kind where there are several, else the speed.",
 )
 @click.option(

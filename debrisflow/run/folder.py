@@ -12,6 +12,7 @@ from typing import Any, Self
 
 from debrisflow.case import dump_case, tables
 from debrisflow.errors import OutputError
+from debrisflow.particles.arrays import WALLS
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
 from debrisflow.run.deposit import DepositWriter
@@ -23,7 +24,6 @@ from debrisflow.run.vtu import FOLDER, Collection, write_walls
 
 CASE = "case.toml"
 FRAMES = "particles.pvd"
-WALLS = "walls.vtu"
 DEPOSIT = "deposit.csv"
 HISTORY = "history.csv"
 MAXIMA = "maxima.csv"

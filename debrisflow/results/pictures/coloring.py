@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib import colormaps
 from numpy.typing import NDArray
 
+from debrisflow.particles.arrays import COLORED
 from debrisflow.particles.record import Kind
-from debrisflow.results.frames import Frame
+from debrisflow.results.frames import Frame, magnitude
 
 Floats = NDArray[np.float64]
 Colors = NDArray[np.uint8]
@@ -29,12 +30,6 @@ KIND_WORDS = {
     Kind.MIXTURE: "mixture",
     Kind.INFLOW: "waiting supply",
 }
-FIELDS = {
-    "speed": "speed (m/s)",
-    "concentration": "sediment concentration",
-    "pressure": "pressure (Pa)",
-    "granular_temperature": "granular temperature (m²/s²)",
-}
 COLOR_MAP = "viridis"
 UNKNOWN_SUPPLY = "#cccccc"  # the fields of waiting supply mean nothing
 # Percentiles beyond which a value has the color of the end, so that a splash does not set the scale
@@ -47,7 +42,7 @@ class Scale(NamedTuple):
     Attributes
     ----------
     by : str
-        ``kind`` or one of :data:`FIELDS`.
+        A key of :data:`debrisflow.particles.arrays.COLORED`.
     low, high : float
         In the unit of the field.
     greatest : float
@@ -89,9 +84,9 @@ def channels(color: str) -> tuple[int, ...]:
 
 
 def values(frame: Frame, by: str) -> Floats:
-    """Return a field of a frame, (n,) array."""
-    field: Floats = getattr(frame, by)
-    return field
+    """Return the values of a frame by which it is colored, (n,) array."""
+    array = frame.arrays[COLORED[by].name]
+    return array if array.ndim == 1 else magnitude(array)
 
 
 def default_field(frames: Sequence[Frame]) -> str:
