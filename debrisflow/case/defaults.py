@@ -10,7 +10,6 @@ from typing import TypeVar
 
 from debrisflow.case.fields import Table
 from debrisflow.case.materials import Mixture, Sediment, Strength, Water, bulk_density
-from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
 from debrisflow.case.regions import bed_end, extent_across, section_of_supply
 from debrisflow.case.shapes import Channel, Channel3D, Geometry, is_three_dimensional
 from debrisflow.case.speeds import fall_speed, given_speed
@@ -33,7 +32,6 @@ LARGEST_PATH = 0.2  # spacings that a particle moves in a step of the explicit s
 VISCOUS_LIMIT = 0.2  # of an explicit step, in d0^2 / nu
 LEAST_SOUND_RATIO = 10.0
 FEWEST_RELAXATION_STEPS = 10
-PROBE_SPACINGS = 2
 _Any = TypeVar("_Any", bound=Table)
 
 _FORMS: dict[str, dict[str, str]] = {
@@ -70,7 +68,7 @@ def complete(case: Case) -> Case:
         "time": _filled(case.time, largest_step=step),
         "output": _output(case.output),
     }
-    probes = tuple(_probe(probe, case.particles) for probe in case.probe)
+    probes = tuple(probe.complete(case.particles.spacing) for probe in case.probe)
     return case.model_copy(update=tables | {"probe": probes})
 
 
@@ -173,12 +171,6 @@ def _output(output: Output) -> Output:
         deposit_interval=output.interval,
         history_interval=output.interval / 10,
     )
-
-
-def _probe(probe: AnyProbe, particles: Particles) -> AnyProbe:
-    if isinstance(probe, HeightProbe | PressureProbe):
-        return _filled(probe, size=PROBE_SPACINGS * particles.spacing)
-    return probe
 
 
 def sound_speed(

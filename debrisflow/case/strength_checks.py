@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from debrisflow.case.materials import Strength
-from debrisflow.case.problems import Problem, Problems, either, locate, unit_of, was_set
+from debrisflow.case.problems import Problem, Problems, locate, unit_of, was_set
 from debrisflow.case.tables import AnyFill, Inflow
+from debrisflow.case.words import either
 
 Fill = tuple[AnyFill, ...]
 FRICTIONAL = "coulomb", "mu-i"

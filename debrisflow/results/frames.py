@@ -52,7 +52,7 @@ class Frame:
 
     @property
     def fluid(self) -> NDArray[np.bool_]:
-        """Return which particles flow or may flow: no wall and no waiting supply."""
+        """Return which particles are fluid: neither walls nor inflow particles."""
         return is_fluid(self.kind)
 
     @property
@@ -84,7 +84,9 @@ def read_frame(time: float, file: Path) -> Frame:
     try:
         catcher = pyvista.VtkErrorCatcher(raise_errors=True, send_to_logging=False)
         with warnings.catch_warnings(), catcher:
-            warnings.simplefilter("ignore")  # pyvista warns of what the catcher raises
+            warnings.simplefilter(
+                "ignore"
+            )  # pyvista also warns about the errors that the catcher raises
             mesh = pyvista.read(file)
         arrays = {a.name: np.asarray(mesh.point_data[a.name]) for a in arrays_in(FRAME)}
         return Frame(time, np.asarray(mesh.points), arrays)
@@ -93,7 +95,7 @@ def read_frame(time: float, file: Path) -> Frame:
 
 
 def _must_be_whole(file: Path) -> None:
-    # VTK prints its own lines on a file that was cut off, so that is found out before
+    # VTK prints messages of its own about a truncated file, so this is checked first
     if not file.is_file():
         raise OutputError(f"{file} is missing, although the run lists it as one of its frames")
     with file.open("rb") as stream:

@@ -1,4 +1,4 @@
-"""Particle files that ParaView and pyvista open: one VTU a frame, and the PVD that dates them."""
+"""Particle files for ParaView and pyvista: a VTU file a frame, and a PVD file with their times."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def read_collection(path: Path) -> list[tuple[float, Path]]:
 class Collection:
     """The frames of a run: ``vtu/NNNNNN.vtu`` and the PVD beside that folder.
 
-    The PVD lists a frame only once its file is whole, so that a running run can be opened.
+    The PVD lists a frame only when its file is complete, so that a running run can be opened.
 
     Parameters
     ----------
