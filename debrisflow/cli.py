@@ -313,8 +313,9 @@ def info(with_kernels: bool) -> None:
     for name, value in about().items():
         click.echo(f"{name:<16} {value}")
     if with_kernels:
-        from debrisflow.run.preparation import compile_kernels
+        from debrisflow.run.preparation import compile_kernels, short_runs
 
-        for name, seconds in compile_kernels():
-            click.echo(f"compiled in {seconds:5.1f} s: {name}")
+        for name, (path, changes) in short_runs().items():
+            click.echo(f"compiling for {name}: ", nl=False)
+            click.echo(f"{compile_kernels(path, changes):.1f} s")
         click.echo(HOW_TO_SHARE)

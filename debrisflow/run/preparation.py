@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from pathlib import Path
 
 from debrisflow._jit import COMPILATIONS
 from debrisflow.case import load_case
@@ -21,24 +21,26 @@ VARIANTS: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 
 
-def compile_kernels() -> Iterator[tuple[str, float]]:
-    """Compile the kernels that the shipped cases and some variants of them need.
+def short_runs() -> dict[str, tuple[Path, tuple[str, ...]]]:
+    """Return the case files to run with the changes to them, by a name for each run."""
+    return {
+        " ".join((name, *changes)): (path, changes)
+        for name, path in templates().items()
+        for changes in ((), *VARIANTS.get(name, ()))
+    }
+
+
+def compile_kernels(path: Path, changes: tuple[str, ...]) -> float:
+    """Take two steps of a case, and return the wall time in which kernels were compiled, s.
 
     Kernels that are in the cache already are only read.
-
-    Yields
-    ------
-    (str, float)
-        The case that was run, and the wall time in which its kernels were compiled, s.
     """
-    for name, path in sorted(templates().items()):
-        for changes in ((), *VARIANTS.get(name, ())):
-            before = COMPILATIONS.seconds
-            case = load_case(path, changes)
-            scheme, state = SCHEMES[case.scheme.type](case), initial_state(case)
-            scheme.fill_number_density(state)
-            for _ in range(STEPS):
-                dt = scheme.stable_dt(state)
-                scheme.step(state, dt)
-                state.time, state.step = state.time + dt, state.step + 1
-            yield " ".join((name, *changes)), COMPILATIONS.seconds - before
+    before = COMPILATIONS.seconds
+    case = load_case(path, changes)
+    scheme, state = SCHEMES[case.scheme.type](case), initial_state(case)
+    scheme.fill_number_density(state)
+    for _ in range(STEPS):
+        dt = scheme.stable_dt(state)
+        scheme.step(state, dt)
+        state.time, state.step = state.time + dt, state.step + 1
+    return COMPILATIONS.seconds - before
