@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from debrisflow.run.crossings import Crossings
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
@@ -146,14 +145,13 @@ def test_a_section_sees_what_the_supply_brings():
         probe=[{"name": "s", "type": "section", "x": 0.21, "interval": 0.1}],
     )
     state = initial_state(case)
-    crossings = Crossings(case, state)
+    section = samplers(case, state)["s"]
     while state.time < 0.5:
         p = state.particles
         p.position[p.fluid, 0] += 1e-3 * 0.8
         advance_supply(state, case, 1e-3)
         state.time += 1e-3
-        crossings.count(state)
-    section = samplers(case, state)["s"]
+        section.add_step(state)
     *flow, volume, sediment = section.sample(state)
     np.testing.assert_allclose(flow, [0.036, 0.3 * 0.036, 0.3, 0.8, 0.15, 0.3])
     slabs = np.floor((0.8 * 0.5 - 0.21) / D0 + 0.5)
