@@ -88,6 +88,12 @@ def test_the_compiler_is_reached_by_the_two_decorators_alone():
         assert "numba" not in imported or from_numba == {"prange"}, path
 
 
+def test_no_import_is_relative():
+    # the search for what a source imports reads whole names only
+    nodes = [node for tree in TREES.values() for node in ast.walk(tree)]
+    assert all(node.level == 0 for node in nodes if isinstance(node, ast.ImportFrom))
+
+
 def test_the_sources_hold_all_that_they_import():
     sources = set(kernel_sources())
     for path in sources - {PACKAGE / "_jit.py"}:

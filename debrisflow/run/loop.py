@@ -27,7 +27,7 @@ from debrisflow.run.summary import summary
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.schemes.semi_implicit import SemiImplicit
 
-LOG = logging.getLogger("debrisflow.run.loop")
+LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
