@@ -84,7 +84,7 @@ def test_a_field_that_is_missing_is_no_default(tmp_path, state, name):
     checkpoint.save(tmp_path / "c.h5", state)
     with h5py.File(tmp_path / "c.h5", "a") as file:
         del file[name]
-    with pytest.raises(OutputError, match=f"another version .*{name.split('/')[-1]}"):
+    with pytest.raises(OutputError, match=f"another version .* it lacks {name.split('/')[-1]};"):
         checkpoint.load(tmp_path / "c.h5")
 
 

@@ -49,8 +49,8 @@ def load(path: Path) -> State:
     """
     try:
         with h5py.File(path, "r") as file:
-            parts = {name: part(**_taken(file[name], part)) for name, part in PARTS.items()}
-            sums = {name: array[()] for name, array in file[SUMS].items()}
+            parts = {name: part(**_taken(_group(file, name), part)) for name, part in PARTS.items()}
+            sums = {name: array[()] for name, array in _group(file, SUMS).items()}
             return State(**parts, sums=sums, **_taken(file, State))
     except FileNotFoundError as error:
         raise OutputError(f"there is no checkpoint {path}") from error
@@ -76,6 +76,12 @@ def _put(group: h5py.Group, record: State | Particles | Maxima) -> None:
             group.create_dataset(field.name, data=value, compression="gzip")
         else:
             group.attrs[field.name] = value
+
+
+def _group(file: h5py.File, name: str) -> h5py.Group:
+    if name not in file:
+        raise KeyError(f"it lacks {name}")
+    return file[name]
 
 
 def _taken(group: h5py.Group, record: type[Any]) -> dict[str, Any]:
