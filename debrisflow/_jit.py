@@ -1,8 +1,8 @@
 """Numba's options, cache folder and threads, decided once.
 
 ``kernel`` compiles a function, ``loop`` one with parallel ``prange`` loops.  The cache folder is
-named after a digest of the package's sources, because Numba keeps a caller's old machine code when
-only a function that it calls, in another file, has changed.
+named after a digest of the sources that machine code depends on, because Numba keeps a caller's
+old machine code when only a function that it calls, in another file, has changed.
 """
 
 from __future__ import annotations
@@ -10,28 +10,133 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import os
+import re
 import sys
 import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
+from time import perf_counter
+from typing import Any
 
 import numba
+from numba.core import event
+
+PACKAGE = Path(__file__).parent
+_IMPORTS = re.compile(
+    r"^[ \t]*from[ \t]+(debrisflow[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)"
+    r"|^[ \t]*import[ \t]+(debrisflow[\w.]*)",
+    re.MULTILINE,
+)
+
+
+def kernel_sources() -> list[Path]:
+    """Return the files whose change can alter machine code, in the order of their paths.
+
+    Machine code comes from the functions that ``kernel`` and ``loop`` decorate, and these can
+    refer only to what their own file defines or imports.  So the files are those that import one
+    of the two decorators, and all that they import from the package, directly or not.
+    """
+    texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
+    found = {Path(__file__)}
+    waiting = [path for path, text in texts.items() if _defines_kernels(text)]
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting += _imported(texts[path])
+    return sorted(found)
+
+
+def _defines_kernels(text: str) -> bool:
+    return any(
+        source == __name__ and re.search(r"\b(kernel|loop)\b", names)
+        for source, names, _ in _IMPORTS.findall(text)
+    )
+
+
+def _imported(text: str) -> Iterable[Path]:
+    """Yield the files of the package that a source imports, with the packages that hold them."""
+    for source, names, module in _IMPORTS.findall(text):
+        dotted = [source, *(f"{source}.{name}" for name in re.findall(r"\w+", names)), module]
+        for parts in (name.split(".")[1:] for name in dotted if name):
+            for depth in range(len(parts) + 1):
+                yield from _files_of(PACKAGE.joinpath(*parts[:depth]))
+
+
+def _files_of(module: Path) -> Iterable[Path]:
+    return filter(Path.is_file, (module / "__init__.py", module.with_suffix(".py")))
 
 
 def _cache_directory() -> Path:
-    """Return a writable folder whose name changes with the package's sources."""
+    """Return a writable folder whose name changes with the sources of the kernels.
+
+    It is in ``XDG_CACHE_HOME``, or ``~/.cache``.  Where that cannot be written but holds a folder
+    that ``debrisflow info --compile`` has prepared, its files are linked into a folder of the
+    system's temporary directory, because Numba takes no folder that it cannot write to.
+    """
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
+    for source in kernel_sources():
         digest.update(source.read_bytes())
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    for base in (Path(home), Path(tempfile.gettempdir())):
-        folder = base / "debrisflow" / f"kernels-{digest.hexdigest()[:16]}"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder):
-                return folder
-        except OSError:
-            continue
-    return Path(tempfile.mkdtemp(prefix="debrisflow-kernels-"))
+    name = Path("debrisflow") / f"kernels-{digest.hexdigest()[:16]}"
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / name
+    if _is_writable(home):
+        return home
+    spare = Path(tempfile.gettempdir()) / name
+    if not _is_writable(spare):
+        spare = Path(tempfile.mkdtemp(prefix="debrisflow-kernels-"))
+    _link_files(home, spare)
+    return spare
+
+
+def _is_writable(folder: Path) -> bool:
+    """Make a folder, if need be, and return whether files can be made in it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _link_files(prepared: Path, folder: Path) -> None:
+    """Link the files of one folder into another; what is there already is left alone."""
+    for file in prepared.rglob("*.nb[ic]"):
+        link = folder / file.relative_to(prepared)
+        with suppress(OSError):  # another process may be doing the same
+            link.parent.mkdir(parents=True, exist_ok=True)
+            link.symlink_to(file)
+
+
+class Compilations(event.Listener):
+    """Counts the wall time in which kernels are compiled; reading them from the cache is not.
+
+    Attributes
+    ----------
+    seconds : float
+        Of all compilations that have ended.
+    watcher : callable or None
+        Called with the seconds so far whenever the compilation of a function begins.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        self.watcher: Callable[[float], None] | None = None
+        self._start, self._depth = 0.0, 0
+
+    def on_start(self, event: Any) -> None:
+        """Note the start of a compilation, which may be inside that of a caller."""
+        if self._depth == 0:
+            self._start = perf_counter()
+        self._depth += 1
+        if self.watcher is not None:
+            self.watcher(self.seconds + perf_counter() - self._start)
+
+    def on_end(self, event: Any) -> None:
+        """Add the time of a compilation that is not inside another."""
+        self._depth -= 1
+        if self._depth == 0:
+            self.seconds += perf_counter() - self._start
 
 
 def _threading_layer() -> str:
@@ -55,6 +160,8 @@ CACHE_DIRECTORY = _cache_directory()
 THREADING_LAYER = _threading_layer()
 numba.config.CACHE_DIR = str(CACHE_DIRECTORY)
 numba.config.THREADING_LAYER = THREADING_LAYER
+COMPILATIONS = Compilations()
+event.register("numba:compile", COMPILATIONS)
 
 # Sums may be reassociated, the same way on every run; NaN stays detectable by comparisons, not by
 # np.isfinite, which these flags make true.

@@ -1,4 +1,4 @@
-"""The installation in a few lines: versions, cores, threading layer and cache folder."""
+"""Facts about the installation: versions, cores, threading layer and cache folder."""
 
 from __future__ import annotations
 
@@ -9,9 +9,16 @@ from importlib.metadata import PackageNotFoundError, requires, version
 from debrisflow import __version__
 from debrisflow._jit import CACHE_DIRECTORY, THREADING_LAYER, cores
 
+HOW_TO_SHARE = (
+    f"The kernels are in {CACHE_DIRECTORY}.\n"
+    "On a node that cannot write there they are used as they are.  To put them elsewhere, set\n"
+    "XDG_CACHE_HOME to a folder both for this command and for the runs.  They serve the same\n"
+    "installation of debrisflow on processors of the same kind."
+)
+
 
 def about() -> dict[str, str]:
-    """Return what a report of a fault should tell, by name."""
+    """Return the facts that a bug report should contain, by name."""
     return {
         "debrisflow": __version__,
         "python": platform.python_version(),
@@ -24,7 +31,7 @@ def about() -> dict[str, str]:
 
 
 def dependencies() -> list[str]:
-    """Return the packages that this one was installed with, without those of its extras."""
+    """Return the names of the packages that this package requires, without its extras."""
     try:
         wanted = requires("debrisflow") or []
     except PackageNotFoundError:

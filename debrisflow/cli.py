@@ -1,4 +1,4 @@
-"""The command line; what a command needs is imported inside it, so that help is instant."""
+"""The command line.  Each command imports what it needs itself, which keeps help fast."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ import click
 
 from debrisflow import __version__
 from debrisflow.errors import DebrisflowError
+from debrisflow.particles.arrays import COLORED
 
-INTERRUPTED = 130  # as a shell has it
+INTERRUPTED = 130  # the exit code of a shell
 _PATH = click.Path(path_type=Path)
 
 
 class Commands(click.Group):
-    """Commands whose errors are told in plain words, with an exit code a class."""
+    """Commands that print errors in plain words and return an exit code for each class."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; an error meant for the user becomes its message and exit code."""
@@ -36,7 +37,7 @@ class Commands(click.Group):
 def numbers_type(
     count: int | None = None, are_intervals: bool = False
 ) -> Callable[[Any], tuple[float, ...]]:
-    """Return the type of an option that is numbers with commas between them.
+    """Return the type of an option that consists of numbers separated by commas.
 
     Parameters
     ----------
@@ -77,7 +78,7 @@ _overrides = click.option(
 _threads = click.option(
     "--threads",
     type=click.IntRange(min=1),
-    help="Threads to use; if left out, as many as the case keeps busy.",
+    help="Threads to use; by default as many as the case can keep busy.",
 )
 _stations = click.option(
     "--stations",
@@ -109,7 +110,7 @@ def main() -> None:
 @_case
 @_overrides
 def check(case: Path, overrides: tuple[str, ...]) -> None:
-    """Validate CASE and print what it will run."""
+    """Validate CASE and print a forecast of its run."""
     from debrisflow.case import load_case
     from debrisflow.run.forecast import forecast
 
@@ -134,12 +135,12 @@ def run(
     """Compute CASE and write its results into a folder."""
     from debrisflow.case import load_case
 
-    checked = load_case(case, overrides)  # before the solver is imported, which takes a second
+    checked = load_case(case, overrides)  # before the import of the solver, which takes a second
 
     from debrisflow.run.loop import simulate
 
     folder = output or Path("runs") / case.stem
-    _tell(simulate(checked, folder, threads=threads, overwrite=overwrite), folder)
+    _print_summary(simulate(checked, folder, threads=threads, overwrite=overwrite), folder)
 
 
 @main.command()
@@ -149,14 +150,16 @@ def resume(folder: Path, threads: int | None) -> None:
     """Continue the run in the folder RUN from its last checkpoint."""
     from debrisflow.run.loop import resume
 
-    _tell(resume(folder, threads=threads), folder)
+    _print_summary(resume(folder, threads=threads), folder)
 
 
-def _tell(summary: dict[str, Any], folder: Path) -> None:
+def _print_summary(summary: dict[str, Any], folder: Path) -> None:
     lost = sum(summary["through_wall"].values())
+    compiled = summary["compile_seconds"]
+    once = f" and {compiled:.0f} s of compiling kernels, once" if compiled >= 1.0 else ""
     click.echo(
         f"{summary['end_reason']}: t = {summary['time']:g} s after {summary['steps']} steps, "
-        f"{summary['wall_seconds']:.0f} s of wall time; results in {folder}"
+        f"{summary['wall_seconds']:.0f} s of wall time{once}; results in {folder}"
     )
     if lost:
         click.echo(f"warning: {lost} particles went through a wall", err=True)
@@ -196,9 +199,9 @@ def postprocess(
 
     given = [read_reference(path) for path in references]
     found = survey(open_run(folder), stations, window, times)
-    written, told = postprocess(found, given)
-    _tell_files(written)
-    for line in told:
+    written, messages = postprocess(found, given)
+    _print_files(written)
+    for line in messages:
         click.echo(line)
 
 
@@ -213,14 +216,14 @@ def report(
     window: tuple[float, float] | None,
     references: tuple[Path, ...],
 ) -> None:
-    """Write a page on the run in the folder RUN: one HTML file that needs nothing else."""
+    """Write a report on the run in the folder RUN: one self-contained HTML file."""
     from debrisflow.results import open_run
     from debrisflow.results.references import read_reference
     from debrisflow.results.report import report
     from debrisflow.results.survey import survey
 
     given = [read_reference(path) for path in references]
-    _tell_files([report(survey(open_run(folder), stations, window), given)])
+    _print_files([report(survey(open_run(folder), stations, window), given)])
 
 
 @main.command()
@@ -251,10 +254,10 @@ def compare(
     together, written = compare([survey(open_run(f), stations, window) for f in folders], output)
     for line in table_lines(together):
         click.echo(line)
-    _tell_files(written)
+    _print_files(written)
 
 
-def _tell_files(files: Sequence[Path]) -> None:
+def _print_files(files: Sequence[Path]) -> None:
     for file in files:
         click.echo(f"wrote {file}")
 
@@ -263,8 +266,8 @@ def _tell_files(files: Sequence[Path]) -> None:
 @_results
 @click.option(
     "--by",
-    type=click.Choice(["kind", "speed", "concentration", "pressure", "granular_temperature"]),
-    help="What the colors say; if left out the kind where there are several, else the speed.",
+    type=click.Choice(list(COLORED)),
+    help="Quantity shown by the colors; by default the kind if there are several, else the speed.",
 )
 @click.option(
     "--times",
@@ -285,21 +288,34 @@ def render(
     """Draw pictures and an animation of the particles of the run in the folder RUN."""
     from debrisflow.results.pictures import render
 
-    _tell_files(render(folder, by, times, view))
+    _print_files(render(folder, by, times, view))
 
 
 @main.command()
 def schema() -> None:
-    """Print the JSON schema of a case file, from which editors complete."""
+    """Print the JSON schema of case files, which editors use for completion."""
     from debrisflow.case import case_schema
 
     click.echo(case_schema(), nl=False)
 
 
 @main.command()
-def info() -> None:
+@click.option(
+    "--compile",
+    "with_kernels",
+    is_flag=True,
+    help="Also compile all kernels into the cache folder, which takes minutes.",
+)
+def info(with_kernels: bool) -> None:
     """Print versions, cores, threading layer and cache folder."""
-    from debrisflow.about import about
+    from debrisflow.about import HOW_TO_SHARE, about
 
     for name, value in about().items():
         click.echo(f"{name:<16} {value}")
+    if with_kernels:
+        from debrisflow.run.preparation import compile_kernels, short_runs
+
+        for name, (path, changes) in short_runs().items():
+            click.echo(f"compiling for {name}: ", nl=False)
+            click.echo(f"{compile_kernels(path, changes):.1f} s")
+        click.echo(HOW_TO_SHARE)

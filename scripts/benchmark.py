@@ -1,15 +1,19 @@
 """Measure the wall time of a whole step of a dam break.
 
-    python scripts/benchmark.py [NAME ...] [--threads 1,2] [--json] [--peer]
+    python scripts/benchmark.py [NAME ...] [--threads 1,2] [--json] [--peer] [--write-docs]
 
 Names: dam2d_2k, dam2d_20k (the default), dam2d_100k, dam2d_200k, sweep (all of them),
 dam2d_20k_late (the same column from t = 0.3 s), and in three dimensions dam3d_50k, dam3d_50k_wide
 (influence radius 2.4 instead of 2.1 spacings) and dam3d_300k.  A step includes everything that a
 run does between two outputs: neighbor lists, sorting, the set-up of the multigrid hierarchy and all
-terms.  Kernels are compiled before the clock starts.  In three dimensions it also measures the
-memory per particle, walls included: resident memory of a fresh process after the steps less that
-after a tiny run.  With ``--peer`` each run in three dimensions takes turns with one of the same dam
-break in SPlisHSPlasH, which is installed from the package index into a throw-away environment.
+terms.  Kernels are compiled before the clock starts.  Each phase of the step is also given as a
+ratio to the neighbor lists of the same run, which is about the same on any machine, so that a phase
+that has become slower shows.  ``--write-docs`` puts the table into ``docs/performance.md``.
+
+In three dimensions the memory per particle, walls included, is measured too: resident memory of a
+fresh process after the steps less that after a tiny run.  With ``--peer`` each run in three
+dimensions takes turns with one of the same dam break in SPlisHSPlasH, which is installed from the
+package index into a throw-away environment.
 """
 
 from __future__ import annotations
@@ -28,6 +32,7 @@ from time import perf_counter
 
 import click
 from benchmark_peer import environment, measure_peer
+from llvmlite.binding import get_host_cpu_name
 
 from debrisflow._jit import set_threads
 from debrisflow.case import shapes, tables
@@ -46,6 +51,9 @@ SPACING = {
     "dam2d_200k": 0.00158,
 }
 SWEEP = tuple(SPACING)
+YARDSTICK = "neighbors"  # the phase to which the others are compared
+DOCS = Path(__file__).parents[1] / "docs" / "performance.md"
+BEGIN, END = "<!-- benchmark:begin -->", "<!-- benchmark:end -->"
 IN_THREE = {"dam3d_50k": (0.01, 2.1), "dam3d_50k_wide": (0.01, 2.4), "dam3d_300k": (0.0055, 2.1)}
 
 
@@ -187,14 +195,58 @@ def growth(results: dict[str, dict[str, dict[str, object]]], threads: str) -> fl
     return log(t1 / t0) / log(n1 / n0)
 
 
+def ratios_of(split: dict[str, float]) -> dict[str, float]:
+    """Return the seconds of each phase over those of the neighbor lists."""
+    return {phase: seconds / split[YARDSTICK] for phase, seconds in split.items()}
+
+
+def table_lines(results: dict[str, dict[str, dict[str, object]]]) -> list[str]:
+    """Return the results as a table in Markdown."""
+    lines = [
+        f"Seconds of wall time a step on the processor that LLVM calls {get_host_cpu_name()}; the "
+        "phases are given as multiples of the time of the neighbor lists in the same run.",
+        "",
+        "| benchmark | threads | fluid particles | s a step | neighbor lists, s | other phases |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name, runs in results.items():
+        for threads, result in runs.items():
+            split = result["split"]
+            ratios = ratios_of(split)
+            others = (f"{phase} {x:.2f}" for phase, x in ratios.items() if phase != YARDSTICK)
+            cells = (
+                f"`{name}`",
+                threads,
+                f"{result['fluid']:,}",
+                f"{result['seconds_per_step']:.4f}",
+                f"{split[YARDSTICK]:.4f}",
+                ", ".join(others),
+            )
+            lines.append(f"| {' | '.join(cells)} |")
+    return lines
+
+
+def write_docs(results: dict[str, dict[str, dict[str, object]]], page: Path = DOCS) -> None:
+    """Put the table of the results between its markers in a page, which is made if need be."""
+    text = page.read_text(encoding="utf-8") if page.is_file() else "# Performance\n"
+    if BEGIN not in text or END not in text:
+        text = f"{text.rstrip()}\n\n{BEGIN}\n{END}\n"
+    before, rest = text.split(BEGIN, 1)
+    after = rest.split(END, 1)[1]
+    table = "\n".join(table_lines(results))
+    page.parent.mkdir(exist_ok=True)
+    page.write_text(f"{before}{BEGIN}\n{table}\n{END}{after}", encoding="utf-8")
+
+
 def report(name: str, threads: str, result: dict[str, object]) -> None:
     """Print the result of a benchmark."""
     click.echo(
         f"{name}, {threads} threads: {result['seconds_per_step']:.4f} s a step, "
         f"{result['fluid']} fluid of {result['particles']} particles"
     )
+    ratios = ratios_of(result["split"])
     for phase, seconds in result["split"].items():
-        click.echo(f"    {phase:<22} {seconds:.4f} s")
+        click.echo(f"    {phase:<22} {seconds:.4f} s {ratios[phase]:7.2f} x {YARDSTICK}")
     if "bytes_per_particle" in result:
         click.echo(f"    {'memory':<22} {result['bytes_per_particle']:.0f} bytes a particle")
     if peer := result.get("peer"):
@@ -227,8 +279,14 @@ def wanted_of(names: tuple[str, ...], with_peer: bool) -> list[str]:
 @click.option(
     "--peer", "with_peer", is_flag=True, help="Run SPlisHSPlasH in turns (3D cases only)."
 )
+@click.option("--write-docs", "in_docs", is_flag=True, help=f"Put the table into {DOCS.name}.")
 def main(
-    names: tuple[str, ...], threads: str, repeats: int, as_json: bool, with_peer: bool
+    names: tuple[str, ...],
+    threads: str,
+    repeats: int,
+    as_json: bool,
+    with_peer: bool,
+    in_docs: bool,
 ) -> None:
     """Measure NAMES (dam2d_20k if none is given, dam3d_50k with --peer)."""
     results: dict[str, dict[str, dict[str, object]]] = {}
@@ -246,6 +304,8 @@ def main(
                 results[name][count] = result
                 if not as_json:
                     report(name, count, result)
+    if in_docs:
+        write_docs(results)
     if as_json:
         click.echo(json.dumps(results, indent=2))
         return

@@ -3,13 +3,13 @@
 from math import ceil
 
 import numpy as np
+from debrisflow.neighbors.stencil import empty_stencil, survey
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.neighbors import pairs
 from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.lists import FixedNeighbors, Neighbors
-from debrisflow.neighbors.stencil import empty_stencil, survey
 from debrisflow.neighbors.wall_access import WallSurface
 from debrisflow.particles.record import blank
 from debrisflow.particles.state import initial_state

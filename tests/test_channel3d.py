@@ -9,7 +9,7 @@ from debrisflow.case.defaults import complete
 from debrisflow.case.estimate import particle_estimate
 from debrisflow.particles.inflow_outflow import remove_leaving
 from debrisflow.run import probes
-from debrisflow.run.probes.wall_pressure import wall_faces
+from debrisflow.run.wall_pressure import wall_faces
 from debrisflow.space.domain import LEFT, WALL_NAMES, domain, wall_layers
 from debrisflow.space.fills import fill, inflow_section
 from debrisflow.space.floor import height_over_floor, is_over_floor
@@ -302,7 +302,7 @@ def test_a_height_probe_stands_on_the_plain_beside_the_flume():
     probe = {"type": "height", "name": "far", "interval": 0.1, "x": 2.0, "y": -0.35}
     case = flume(probe=[probe])
     _, state = started(case)
-    measure = probes.probe_measures(case, state.particles)["far"]
+    measure = probes.samplers(case, state)["far"]
     assert measure.base == pytest.approx(0.6 * np.tan(BEND), abs=D0)
 
 

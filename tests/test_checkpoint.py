@@ -25,8 +25,10 @@ def state():
     counts = [np.array([i, i + 1, 2**40]) for i in range(3)]
     maxima = Maxima(*rng.uniform(0.0, 9.0, (5, 30)))
     maxima.arrival_time[::4] = np.nan
-    counters = *counts, 11, -1 / 3, 2**40, np.array([[5, -6, 7]])
-    return State(particles, maxima, 0.1 + 0.2, 7, 1e-3 / 3, *counters)
+    sediment = [rng.uniform(0.0, 9.0, 3) for _ in range(3)]
+    sums = {"section": rng.uniform(-9.0, 9.0, (2, 3)), "wall": np.array([1 / 3, -0.0, 5e-324])}
+    counters = *counts, *sediment, 11, -1 / 3, 2**40
+    return State(particles, maxima, 0.1 + 0.2, 7, 1e-3 / 3, *counters, sums)
 
 
 def identical(one, other):
@@ -35,6 +37,8 @@ def identical(one, other):
         a, b = getattr(one, field.name), getattr(other, field.name)
         if isinstance(a, np.ndarray):
             same = a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+        elif isinstance(a, dict):
+            same = a.keys() == b.keys() and all(a[key].tobytes() == b[key].tobytes() for key in a)
         elif isinstance(a, int | float):
             same = type(a) is type(b) and a == b
         else:
@@ -75,10 +79,18 @@ def test_a_missing_or_damaged_checkpoint_is_told(tmp_path, state):
         checkpoint.load(file)
 
 
-@pytest.mark.parametrize("name", ["entered", "particles/grain_pressure", "maxima/depth"])
+@pytest.mark.parametrize("name", ["entered", "particles/grain_pressure", "maxima/depth", "sums"])
 def test_a_field_that_is_missing_is_no_default(tmp_path, state, name):
     checkpoint.save(tmp_path / "c.h5", state)
     with h5py.File(tmp_path / "c.h5", "a") as file:
         del file[name]
-    with pytest.raises(OutputError, match=name.split("/")[-1]):
+    with pytest.raises(OutputError, match=f"another version .* it lacks {name.split('/')[-1]};"):
+        checkpoint.load(tmp_path / "c.h5")
+
+
+def test_a_field_of_another_version_is_told(tmp_path, state):
+    checkpoint.save(tmp_path / "c.h5", state)
+    with h5py.File(tmp_path / "c.h5", "a") as file:
+        file["crossed"] = np.zeros(3)
+    with pytest.raises(OutputError, match=r"another version .* it has crossed; start"):
         checkpoint.load(tmp_path / "c.h5")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from debrisflow.particles.arrays import FRAME, arrays_in
 from debrisflow.particles.record import Kind
 from debrisflow.results.deposition import deposit_columns, deposit_table, deposition
 from debrisflow.results.frames import Frame
@@ -15,8 +16,8 @@ SLOPE = 0.25  # of its flanks
 
 def frame_of(particles, time=0.0):
     """Return the frame that holds some particles."""
-    names = [name for name in Frame._fields if name != "time"]
-    return Frame(time, **{name: getattr(particles, name) for name in names})
+    arrays = {array.name: getattr(particles, array.name) for array in arrays_in(FRAME)}
+    return Frame(time, particles.position, arrays)
 
 
 def measured(case, particles, before=None):

@@ -10,17 +10,18 @@ import pytest
 from click.testing import CliRunner
 
 from debrisflow.case import load_case
+from debrisflow.case.probes import TABLES
 from debrisflow.cli import main
-from debrisflow.errors import CaseError
+from debrisflow.errors import CaseError, OutputError
 from debrisflow.particles.state import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.answers import answers
 from debrisflow.results.survey import survey
 from debrisflow.run import loop
 from debrisflow.run.folder import RunFolder
-from debrisflow.run.probes import probe_measures
+from debrisflow.run.probes import sampler_of, samplers
 from debrisflow.run.vtu import FOLDER
-from tests.building import bed_case, tank3d_case, tank_case
+from tests.building import bed_case, tank3d_case
 
 PROBES = (
     {"name": "level", "type": "height", "interval": 0.004, "x": 0.5},
@@ -122,12 +123,29 @@ def test_the_folder_repeats_the_probes_with_their_sizes(tmp_path):
 def test_a_place_off_a_wall_that_only_the_run_knows_is_told():
     case = probed([PROBES[3] | {"y": 0.1}])
     with pytest.raises(CaseError, match=r"'bed': the place is .* m from the surface of bed"):
-        probe_measures(case, initial_state(case).particles)
+        samplers(case, initial_state(case))
 
 
-def test_a_probe_without_a_section_asks_for_no_counting():
-    case = tank_case(4, 4, "water", probe=PROBES[:1])
-    assert initial_state(case).crossed.shape == (0, 3)
+def test_only_probes_with_a_sum_have_one_in_the_state():
+    state = initial_state(probed())
+    samplers(probed(), state)
+    assert state.sums.keys() == {"outlet", "inlet", "thrust"}
+
+
+def test_a_sum_that_a_checkpoint_lacks_is_not_taken_as_zero():
+    state = initial_state(probed())
+    state.step = 40
+    with pytest.raises(OutputError, match="no running sum of the probe 'outlet'"):
+        samplers(probed(), state)
+
+
+def test_each_table_has_a_sampler_with_names_of_its_own():
+    for table in TABLES:
+        for dimension in (2, 3):
+            columns = sampler_of(table).columns(dimension)
+            names = [column.name for column in columns]
+            assert len(set(names)) == len(names) > 0
+            assert all(column.meaning for column in columns)
 
 
 def test_a_probe_on_a_hidden_wall_is_told_before_results_are_replaced(whole, tmp_path):
@@ -147,4 +165,4 @@ def test_the_height_over_a_pier_as_high_as_its_tank_starts_at_its_top():
     block = {"type": "block", "x": [0.0, 0.4], "y": [0.0, 0.6], "z": [0.0, 0.5]}
     case = tank3d_case(obstacle=[pier], fill=[block | {"material": "water"}], probe=[probe])
     state = initial_state(case)
-    assert probe_measures(case, state.particles)["h"].sample(state) == (0.0, 0.0)
+    assert samplers(case, state)["h"].sample(state) == (0.0, 0.0)

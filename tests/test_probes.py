@@ -10,8 +10,7 @@ from debrisflow.case.defaults import complete
 from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.state import initial_state
-from debrisflow.run.crossings import Crossings
-from debrisflow.run.probes import probe_measures
+from debrisflow.run.probes import samplers
 from debrisflow.space.gravity import gravity_vector
 
 D0 = 0.05
@@ -53,7 +52,7 @@ def still_water(dimension, probes, depth=0.5, obstacle=(), **tables):
 
 def samples(case, state):
     """Return the sample of every probe of a case."""
-    measures = probe_measures(case, state.particles)
+    measures = samplers(case, state)
     return [np.array(measure.sample(state)) for measure in measures.values()]
 
 
@@ -160,13 +159,13 @@ def test_the_impulse_is_the_sum_of_the_force_over_the_steps_since_the_start(dime
     probes = [{"type": "section", "x": 0.5}]
     probes += [{"type": "force", "wall": wall} for wall in ("floor", "right")]
     case, state = still_water(dimension, probes)
-    measures = list(probe_measures(case, state.particles).values())[1:]
+    measures = list(samplers(case, state).values())[1:]
     p, force = state.particles, [np.array(wall.sample(state))[:dimension] for wall in measures]
     for time, dt, share in [(0.0, 0.5, 1.0), (0.1, 0.1, 1.0), (0.15, 0.05, 3.0)]:
         state.time, state.dt = time, dt
         p.pressure *= share
         for wall in measures:
-            wall.add_impulse(state)
+            wall.add_step(state)
     for wall, push in zip(measures, force, strict=True):
         impulse = np.array(wall.sample(state))[-dimension:]
         exact = np.zeros(dimension)
@@ -252,41 +251,41 @@ def test_what_flows_through_a_section(dimension, x):
 
 def test_crossings_are_counted_both_ways_by_the_number_of_the_particle():
     case, state = still_water(2, [{"type": "section", "x": 0.5}])
-    p, crossings = state.particles, Crossings(case, state)
+    p, section = state.particles, samplers(case, state)["p0"]
     state.time = 0.1
     p.kind[p.fluid][:] = Kind.LIQUID
     p.position[p.fluid, 0] += D0  # the column before the section passes it
     p.reorder(p.fluid, np.arange(p.fluid_count)[::-1])
-    crossings.count(state)
-    np.testing.assert_array_equal(state.crossed, [[10, 0, 0]])
+    section.add_step(state)
+    np.testing.assert_array_equal(state.sums["p0"][0], [10, 0, 0])
     p.kind[p.fluid] = Kind.MIXTURE
     p.sediment_fraction[p.fluid] = np.where(p.position[p.fluid, 0] > 0.5, 0.25, 0.5)
     p.position[p.fluid, 0] -= 3 * D0
-    crossings.count(state)
-    np.testing.assert_array_equal(state.crossed, [[10, 0, -30]])
+    section.add_step(state)
+    np.testing.assert_array_equal(state.sums["p0"][0], [10, 0, -30])
     volumes = samples(case, state)[0][-2:]
     np.testing.assert_allclose(volumes, [-20 * D0**2, -30 * 0.25 * D0**2])
 
 
 def test_nobody_is_counted_before_the_start_nor_by_leaving():
     case, state = still_water(2, [{"type": "section", "x": 0.5}])
-    p, crossings = state.particles, Crossings(case, state)
+    p, section = state.particles, samplers(case, state)["p0"]
     state.time = 0.0
     p.position[p.fluid, 0] += D0
-    crossings.count(state)
+    section.add_step(state)
     state.time = 0.1
     p.keep(np.arange(10, p.fluid_count), p.fluid_count)
     p.fluid_count -= 10
-    crossings.count(state)
-    assert not state.crossed.any()
+    section.add_step(state)
+    assert not state.sums["p0"].any()
 
 
 def test_what_returns_through_the_end_of_a_period_is_counted_where_it_passes():
     case, state = still_water(2, [{"type": "section", "x": 0.02}])
     shape = case.geometry.model_copy(update={"periodic": True})
     case = case.model_copy(update={"geometry": shape})
-    p, crossings = state.particles, Crossings(case, state)
+    p, section = state.particles, samplers(case, state)["p0"]
     state.time = 0.1
     p.position[p.fluid, 0] = (p.position[p.fluid, 0] + D0) % 1.0
-    crossings.count(state)
-    assert state.crossed[0, 0] == 10
+    section.add_step(state)
+    assert state.sums["p0"][0, 0] == 10

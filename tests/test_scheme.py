@@ -315,7 +315,8 @@ def test_a_channel_may_be_empty_until_its_supply_arrives():
 
 PROLOGUE = """
 import sys
-from debrisflow import _jit, operators
+from debrisflow import _jit
+from debrisflow.physics import operators
 from tests.building import *
 """
 EPILOGUE = """

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from debrisflow.schemes.slip import Materials, Slip
 
 from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.record import MATTER, blank
@@ -14,7 +15,6 @@ from debrisflow.physics.slip import (
     surroundings_at,
     survey_surroundings,
 )
-from debrisflow.schemes.slip import Materials, Slip
 from tests.building import GIDASPOW, RADII, WEN_YU, lattice_block, random_patch, stencil_of
 
 ROCK, WATER = 2650.0, 1000.0

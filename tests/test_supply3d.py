@@ -9,8 +9,7 @@ from debrisflow.particles.inflow_outflow import advance_supply, remove_leaving
 from debrisflow.particles.record import Kind
 from debrisflow.particles.state import initial_state
 from debrisflow.run import checkpoint
-from debrisflow.run.crossings import Crossings
-from debrisflow.run.probes import probe_measures
+from debrisflow.run.probes import samplers
 from debrisflow.space.domain import domain, wall_layers
 from tests.test_checkpoint import identical
 
@@ -146,14 +145,13 @@ def test_a_section_sees_what_the_supply_brings():
         probe=[{"name": "s", "type": "section", "x": 0.21, "interval": 0.1}],
     )
     state = initial_state(case)
-    crossings = Crossings(case, state)
+    section = samplers(case, state)["s"]
     while state.time < 0.5:
         p = state.particles
         p.position[p.fluid, 0] += 1e-3 * 0.8
         advance_supply(state, case, 1e-3)
         state.time += 1e-3
-        crossings.count(state)
-    section = probe_measures(case, state.particles)["s"]
+        section.add_step(state)
     *flow, volume, sediment = section.sample(state)
     np.testing.assert_allclose(flow, [0.036, 0.3 * 0.036, 0.3, 0.8, 0.15, 0.3])
     slabs = np.floor((0.8 * 0.5 - 0.21) / D0 + 0.5)

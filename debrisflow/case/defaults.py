@@ -8,7 +8,6 @@ from __future__ import annotations
 from math import hypot, inf, sqrt
 
 from debrisflow.case.materials import Mixture, Sediment, Water, bulk_density
-from debrisflow.case.probes import AnyProbe, HeightProbe, PressureProbe
 from debrisflow.case.regions import bed_end, extent_across, section_of_supply
 from debrisflow.case.resolved import (
     AnyResolvedScheme,
@@ -17,11 +16,8 @@ from debrisflow.case.resolved import (
     ResolvedChannel3D,
     ResolvedExplicitScheme,
     ResolvedGeometry,
-    ResolvedHeightProbe,
     ResolvedInflow,
     ResolvedOutput,
-    ResolvedPressureProbe,
-    ResolvedProbe,
     ResolvedScheme,
     ResolvedTime,
     SteadyInflow,
@@ -50,7 +46,6 @@ LARGEST_PATH = 0.2  # spacings that a particle moves in a step of the explicit s
 VISCOUS_LIMIT = 0.2  # of an explicit step, in d0^2 / nu
 LEAST_SOUND_RATIO = 10.0
 FEWEST_RELAXATION_STEPS = 10
-PROBE_SPACINGS = 2
 NO_SUPPLY = "missing: give a discharge, a velocity or a hydrograph"
 
 _FORMS: dict[str, dict[str, str]] = {
@@ -96,7 +91,7 @@ def complete(case: Case) -> ResolvedCase:
         "scheme": scheme,
         "time": resolved(ResolvedTime, case.time, largest_step=step),
         "output": _output(case.output),
-        "probe": tuple(_probe(probe, case.particles) for probe in case.probe),
+        "probe": tuple(probe.complete(case.particles.spacing) for probe in case.probe),
     }
     return ResolvedCase(**(dict(case) | found))
 
@@ -201,15 +196,6 @@ def _output(output: Output) -> ResolvedOutput:
         deposit_interval=output.interval,
         history_interval=output.interval / 10,
     )
-
-
-def _probe(probe: AnyProbe, particles: Particles) -> ResolvedProbe:
-    size = PROBE_SPACINGS * particles.spacing
-    if isinstance(probe, HeightProbe):
-        return resolved(ResolvedHeightProbe, probe, size=size)
-    if isinstance(probe, PressureProbe):
-        return resolved(ResolvedPressureProbe, probe, size=size)
-    return probe
 
 
 def sound_speed(

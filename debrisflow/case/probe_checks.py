@@ -1,20 +1,11 @@
-"""Cross-checks of the probes: their names, their places and the walls that they name."""
+"""Cross-checks of the probes: their names, and what each of them checks in the space of a case."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import hypot
 
-from debrisflow.case.bodies import BoxObstacle
-from debrisflow.case.probes import (
-    AnyProbe,
-    ForceProbe,
-    HeightProbe,
-    PressureProbe,
-    SectionProbe,
-    VolumeProbe,
-)
-from debrisflow.case.problems import Problem, did_you_mean, either
+from debrisflow.case.probe import Probe, Space
+from debrisflow.case.problems import Problem
 from debrisflow.case.regions import runout_rise
 from debrisflow.case.shapes import (
     Channel,
@@ -28,12 +19,9 @@ from debrisflow.case.shapes import (
 from debrisflow.case.tables import AnyObstacle, Gravity, Particles
 
 Problems = Iterator[Problem]
-Probes = tuple[AnyProbe, ...]
-Obstacles = tuple[AnyObstacle, ...]
-TOLERANCE = 1e-6  # spacings
 
 
-def names_of_probes(probe: Probes) -> Problems:
+def names_of_probes(probe: tuple[Probe, ...]) -> Problems:
     """Check that no two probes write into one file."""
     seen: dict[str, int] = {}
     for k, one in enumerate(probe):
@@ -42,84 +30,26 @@ def names_of_probes(probe: Probes) -> Problems:
             yield Problem(f"probe.{k}.name", f"the name of probe.{first}; give another", one.name)
 
 
-def coordinates_of_probes(probe: Probes, geometry: Geometry) -> Problems:
-    """Check that places have as many coordinates as the case has dimensions."""
-    is_three = is_three_dimensional(geometry)
-    for k, one in enumerate(probe):
-        last = {HeightProbe: "y", PressureProbe: "z", VolumeProbe: "z"}.get(type(one))
-        value = getattr(one, last) if last else None
-        if last and is_three and value is None:
-            yield Problem(f"probe.{k}.{last}", "missing: the place needs it in three dimensions")
-        elif last and not is_three and value is not None:
-            message = f"the place has no {last} in two dimensions; leave it out"
-            yield Problem(f"probe.{k}.{last}", message, value)
-        if isinstance(one, ForceProbe) and not is_three and len(one.about) == 3:
-            message = "a point in two dimensions has 2 numbers"
-            yield Problem(f"probe.{k}.about", message, one.about)
-
-
 def places_of_probes(
-    probe: Probes, geometry: Geometry, gravity: Gravity, particles: Particles
+    probe: tuple[Probe, ...],
+    geometry: Geometry,
+    gravity: Gravity,
+    obstacle: tuple[AnyObstacle, ...],
+    particles: Particles,
 ) -> Problems:
-    """Check that probes stand in the space, and sections a spacing from its ends."""
-    slack = TOLERANCE * particles.spacing
-    space = _extents(geometry, gravity)
+    """Check what each probe asks for: a place in the space, a box with a volume, a known wall."""
+    space = Space(
+        shape=geometry.type,
+        dimension=3 if is_three_dimensional(geometry) else 2,
+        spacing=particles.spacing,
+        extents=_extents(geometry, gravity),
+        repeats_along_x=geometry.periodic and not isinstance(geometry, Tank3D),
+        planes=_walls(geometry),
+        obstacles={part.name: part for part in obstacle},
+    )
     for k, one in enumerate(probe):
-        for axis, (lower, upper) in space.items():
-            place = getattr(one, axis, None)
-            if place is None or isinstance(one, VolumeProbe):
-                continue
-            message = f"outside the {geometry.type}, {axis} = [{lower:g}, {upper:g}] m"
-            if isinstance(one, SectionProbe) and not _repeats_along_x(geometry):
-                lower, upper = lower + particles.spacing, upper - particles.spacing
-                message = f"must be a spacing from the ends, {axis} = [{lower:g}, {upper:g}] m"
-            if not lower - slack <= place <= upper + slack:
-                yield Problem(f"probe.{k}.{axis}", message, place)
-
-
-def boxes_of_probes(probe: Probes, geometry: Geometry, gravity: Gravity) -> Problems:
-    """Check that the box of a probe has a volume, part of it in the space."""
-    for k, one in enumerate(probe):
-        if not isinstance(one, VolumeProbe):
-            continue
-        for axis, (lower, upper) in _extents(geometry, gravity).items():
-            extent = getattr(one, axis)
-            if extent is None:
-                continue
-            if extent[0] >= extent[1]:
-                message = "the first number must be less than the second"
-                yield Problem(f"probe.{k}.{axis}", message, extent)
-            elif extent[1] <= lower or extent[0] >= upper:
-                message = f"outside the {geometry.type}, {axis} = [{lower:g}, {upper:g}] m"
-                yield Problem(f"probe.{k}.{axis}", message, extent)
-
-
-def walls_of_probes(
-    probe: Probes, geometry: Geometry, obstacle: Obstacles, particles: Particles
-) -> Problems:
-    """Check that the wall of a probe is there, and its place within a spacing of it."""
-    flat, boxes = _walls(geometry), {part.name: part for part in obstacle}
-    known = (*flat, *boxes)
-    for k, one in enumerate(probe):
-        if not isinstance(one, PressureProbe | ForceProbe):
-            continue
-        if one.wall not in known:
-            message = f"there is no such wall, but {either(known)}" + did_you_mean(one.wall, known)
-            yield Problem(f"probe.{k}.wall", message, one.wall)
-            continue
-        if not isinstance(one, PressureProbe):
-            continue
-        place = (one.x, one.y, one.z or 0.0)
-        plane, body = flat.get(one.wall), boxes.get(one.wall)
-        if plane is not None:
-            distance = abs(place[plane[0]] - plane[1])
-        elif isinstance(body, BoxObstacle):
-            distance = _distance_to_box(place, body)
-        else:
-            continue  # the run finds the surface of a bed or a mesh
-        if distance > particles.spacing * (1 + TOLERANCE):
-            message = f"the place is {distance:.3g} m from that wall; at most a spacing"
-            yield Problem(f"probe.{k}.wall", message, one.wall)
+        for field, message, value in one.faults(space):
+            yield Problem(f"probe.{k}.{field}", message, value)
 
 
 def _extents(geometry: Geometry, gravity: Gravity) -> dict[str, tuple[float, float]]:
@@ -137,10 +67,6 @@ def _extents(geometry: Geometry, gravity: Gravity) -> dict[str, tuple[float, flo
     if isinstance(geometry, Channel):
         return {"x": (0.0, geometry.length), "y": (-geometry.bed_thickness, geometry.height)}
     return {"x": (0.0, geometry.width), "y": (0.0, geometry.height)}
-
-
-def _repeats_along_x(geometry: Geometry) -> bool:
-    return geometry.periodic and not isinstance(geometry, Tank3D)
 
 
 def _walls(geometry: Geometry) -> dict[str, tuple[int, float] | None]:
@@ -173,19 +99,4 @@ def _walls(geometry: Geometry) -> dict[str, tuple[int, float] | None]:
     return found
 
 
-def _distance_to_box(place: tuple[float, float, float], box: BoxObstacle) -> float:
-    """Return the distance of a point, outside or inside, to the surface of a box, m."""
-    gaps = [
-        max(low - at, at - high)
-        for at, (low, high) in zip(place, (box.x, box.y, box.z), strict=True)
-    ]
-    return hypot(*(max(gap, 0.0) for gap in gaps)) if max(gaps) > 0 else -max(gaps)
-
-
-CHECKS: tuple[Callable[..., Problems], ...] = (
-    names_of_probes,
-    coordinates_of_probes,
-    places_of_probes,
-    boxes_of_probes,
-    walls_of_probes,
-)
+CHECKS: tuple[Callable[..., Problems], ...] = (names_of_probes, places_of_probes)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic.fields import FieldInfo
@@ -11,9 +10,9 @@ from pydantic.fields import FieldInfo
 from debrisflow.case.fields import NONE, Table
 from debrisflow.case.strength import FORMER_NAMES, Strength, owners
 from debrisflow.case.tables import Case
+from debrisflow.case.words import ABSENT, did_you_mean, either
 
 Problems = Iterator["Problem"]
-ABSENT = object()
 LONGEST_VALUE = 60
 
 
@@ -125,19 +124,6 @@ def show(value: Any) -> str:
     else:
         text = str(value)
     return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 4] + " ..."
-
-
-def either(choices: Iterable[str]) -> str:
-    """Return ``'a', 'b' or 'c'``."""
-    *first, last = (f"'{choice}'" for choice in choices)
-    return f"{', '.join(first)} or {last}" if first else last
-
-
-def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """Return ``; did you mean '…'?`` for the known word that is nearest, or nothing."""
-    others = [name for name in known if name != word]
-    near = get_close_matches(str(word).lower(), others, n=1, cutoff=0.6)
-    return f"; did you mean '{near[0]}'?" if near else ""
 
 
 def translate(error: Mapping[str, Any]) -> Problem | None:

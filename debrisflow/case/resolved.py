@@ -7,13 +7,6 @@ from typing import Any, Literal, TypeVar
 from pydantic import Field
 
 from debrisflow.case.fields import Table
-from debrisflow.case.probes import (
-    ForceProbe,
-    HeightProbe,
-    PressureProbe,
-    SectionProbe,
-    VolumeProbe,
-)
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Tank, Tank3D
 from debrisflow.case.tables import (
     Case,
@@ -101,25 +94,10 @@ class ResolvedOutput(Output):
     history_interval: float = _known(Output, "history_interval")
 
 
-class ResolvedHeightProbe(HeightProbe):
-    """A probe of height of known size."""
-
-    size: float = _known(HeightProbe, "size")
-
-
-class ResolvedPressureProbe(PressureProbe):
-    """A probe of pressure of known size."""
-
-    size: float = _known(PressureProbe, "size")
-
-
 ResolvedChannelShape = ResolvedChannel | ResolvedChannel3D
 ResolvedGeometry = Tank | ResolvedChannel | Tank3D | ResolvedChannel3D
 ResolvedInflow = SteadyInflow | UnsteadyInflow
 AnyResolvedScheme = ResolvedScheme | ResolvedExplicitScheme
-ResolvedProbe = (
-    ResolvedHeightProbe | ResolvedPressureProbe | ForceProbe | SectionProbe | VolumeProbe
-)
 
 
 class ResolvedCase(Case):
@@ -130,7 +108,6 @@ class ResolvedCase(Case):
     scheme: AnyResolvedScheme = _known(Case, "scheme")
     time: ResolvedTime = _known(Case, "time")
     output: ResolvedOutput = _known(Case, "output")
-    probe: tuple[ResolvedProbe, ...] = _known(Case, "probe")
 
     @property
     def semi_implicit_scheme(self) -> ResolvedScheme:

@@ -362,9 +362,9 @@ class Case(Table):
     scheme: AnyScheme = Scheme()
     time: Time
     output: Output
-    probe: Annotated[
-        tuple[Annotated[AnyProbe, Field(discriminator="type")], ...], Strict(False)
-    ] = Field((), description="what is measured while the case runs, each into its own file")
+    probe: Annotated[tuple[AnyProbe, ...], Strict(False)] = Field(
+        (), description="what is measured while the case runs, each into its own file"
+    )
 
     @property
     def dimension(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-from debrisflow.case.problems import did_you_mean
+from debrisflow.case.words import did_you_mean
 from debrisflow.errors import CaseError, OutputError
 
 SCHEMA = "case.schema.json"

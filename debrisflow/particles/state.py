@@ -1,4 +1,4 @@
-"""The whole state of a run: what a checkpoint must carry so that the run goes on bit for bit."""
+"""The whole state of a run: a checkpoint of it lets the run continue bit for bit."""
 
 from __future__ import annotations
 
@@ -28,18 +28,6 @@ def _sums() -> Floats:
     return np.zeros(len(PHASES))
 
 
-def _crossings(sections: int = 0) -> NDArray[np.int64]:
-    return np.zeros((sections, len(PHASES)), dtype=np.int64)
-
-
-def _crossed_sums(sections: int = 0) -> Floats:
-    return np.zeros((sections, len(PHASES)))
-
-
-def _impulses(walls: int = 0) -> Floats:
-    return np.zeros((walls, 3))
-
-
 @dataclass
 class State:
     """Particles, maxima, clock and counters of a run.
@@ -63,16 +51,11 @@ class State:
     supply_columns : int
         Columns of inflow particles seeded so far.
     supply_sediment : float
-        Sediment particles that the supply still owes to its concentration.
+        Sediment particles that the supply still has to bring to reach its concentration.
     next_id : int
         The number that the next new particle gets.
-    crossed : (sections, 3) int64 array
-        Particles by phase that went through each section along x since t = 0, less those that
-        went back.
-    crossed_sediment : (sections, 3) float64 array
-        The volume of sediment in these, in particles.
-    impulse : (walls, 3) float64 array
-        Integral of the force on the wall of each force probe since t = 0, N s (2D: per meter).
+    sums : dict of str to float64 array
+        Running sum of each probe that has one, by the name of the probe.
     """
 
     particles: Particles
@@ -89,9 +72,7 @@ class State:
     supply_columns: int = 0
     supply_sediment: float = 0.0
     next_id: int = 0
-    crossed: NDArray[np.int64] = field(default_factory=_crossings)
-    crossed_sediment: Floats = field(default_factory=_crossed_sums)
-    impulse: Floats = field(default_factory=_impulses)
+    sums: dict[str, Floats] = field(default_factory=dict)
 
 
 def count_phases(
@@ -127,9 +108,6 @@ def initial_state(case: ResolvedCase) -> State:
         hydrostatic_start.jitter(particles, case)
     maxima = no_maxima(plan(case).x.size)
     state = State(particles, maxima, time=0.0 - case.time.relaxation, next_id=particles.count)
-    sections = sum(probe.type == "section" for probe in case.probe)
-    state.crossed, state.crossed_sediment = _crossings(sections), _crossed_sums(sections)
-    state.impulse = _impulses(sum(probe.type == "force" for probe in case.probe))
     if case.inflow is not None:
         state.supply_columns = wall_layers(case)
         owed = supplied_sediment(case, state.supply_columns)

@@ -197,7 +197,8 @@ def advance_density(dt, fluid, near, solid, numbers, n, compression, pressure):
 def acceleration_at(i, fluid, near, solid, numbers):
     """Return acceleration, m/s2, change of velocity by collisions, m/s, and contacts of particle i.
 
-    The right side of equation (13), momentum of a weakly compressible mixture.  Contacts are the first-layer wall particles that it may touch.
+    The right side of equation (13), momentum of a weakly compressible mixture.  Contacts are the
+    first-layer wall particles that it may touch.
 
         -(1/rho0) (Ds/n0) sum of (P_i + P_j) r_ij w / r^2
         + (2 Ds/(lambda n0)) sum of [alpha c d0 (u_ij . e) e + nu_ij u_ij] w + g

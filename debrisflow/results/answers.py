@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.probes import SectionProbe
 from debrisflow.particles.state import PHASES
 from debrisflow.results.fronts import arrival
-from debrisflow.results.stations import VOLUME
+from debrisflow.results.stations import VOLUME, flow_probes
 from debrisflow.results.survey import Survey
 from debrisflow.run.history import PER_WIDTH
 from debrisflow.run.tables import Table, rows_where
@@ -146,16 +145,14 @@ def _deposit(found: Survey) -> list[Answer]:
 
 def _sections(found: Survey) -> list[Answer]:
     rows, case = [], found.run.case
-    for probe in case.probe:
-        if isinstance(probe, SectionProbe):
-            table = found.run.probe(probe.name)
-            rows += _flow_figures(
-                probe.name, table, f"section at x = {probe.x:g} m", case.dimension
-            )
-            passed = table["time"][table["volume"] > 0.0]
-            first = float(passed[0]) if passed.size else np.nan
-            meaning = "first sample with more gone through than back"
-            rows.append(Answer(f"{probe.name}_arrival", first, "s", meaning))
+    for probe in flow_probes(case):
+        table = found.run.probe(probe.name)
+        where = f"{probe.type} at {probe.where()} m"
+        rows += _flow_figures(probe.name, table, where, case.dimension)
+        passed = table["time"][table["volume"] > 0.0]
+        first = float(passed[0]) if passed.size else np.nan
+        meaning = "first sample with more gone through than back"
+        rows.append(Answer(f"{probe.name}_arrival", first, "s", meaning))
     return rows
 
 

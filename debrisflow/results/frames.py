@@ -3,64 +3,73 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
 
 from debrisflow.errors import OutputError
+from debrisflow.particles.arrays import FRAME, arrays_in
 from debrisflow.run.measures import is_fluid
 
 Floats = NDArray[np.float64]
-WITHOUT_FIELDS = ("time", "position")
 
 
-class Frame(NamedTuple):
+@dataclass(frozen=True)
+class Frame:
     """The particles of one file; in three dimensions without the walls.
+
+    Each array of the file is an attribute under its name in
+    :data:`debrisflow.particles.arrays.ARRAYS`: ``frame.velocity`` is ``frame.arrays["velocity"]``.
 
     Attributes
     ----------
     time : float, s
-    position, velocity : (n, 3) array, m, m/s
-    kind : (n,) int array
-        See :class:`debrisflow.particles.record.Kind`.
-    pressure : (n,) array, Pa
-    density : (n,) array, kg/m3
-    number_density, concentration, sediment_fraction : (n,) array
-    granular_temperature : (n,) array, m2/s2
-    id : (n,) int array
-        Number by which a particle is known from frame to frame.
+    position : (n, 3) array, m
+    arrays : dict
+        (n,) or (n, 3) array by name.
     """
 
     time: float
     position: Floats
-    velocity: Floats
-    kind: NDArray[np.integer]
-    pressure: Floats
-    density: Floats
-    number_density: Floats
-    concentration: Floats
-    sediment_fraction: Floats
-    granular_temperature: Floats
-    id: NDArray[np.integer]
+    arrays: Mapping[str, NDArray[Any]]
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        """Return an array by its name."""
+        # a copy asks for its attributes before it has any
+        arrays: Mapping[str, NDArray[Any]] = self.__dict__.get("arrays", {})
+        if name in arrays:
+            return arrays[name]
+        raise AttributeError(f"the particle files hold no {name}, but {', '.join(arrays)}")
+
+    def __dir__(self) -> list[str]:
+        """Return the names of all attributes, the arrays among them."""
+        return [*super().__dir__(), *self.arrays]
 
     @property
     def fluid(self) -> NDArray[np.bool_]:
-        """Return which particles flow or may flow: no wall and no waiting supply."""
+        """Return which particles are fluid: neither walls nor inflow particles."""
         return is_fluid(self.kind)
 
     @property
     def speed(self) -> Floats:
         """Return the magnitude of the velocities, (n,) array, m/s."""
-        speed: Floats = np.linalg.norm(self.velocity, axis=1)
-        return speed
+        return magnitude(self.velocity)
 
     def of(self, rows: NDArray[np.bool_]) -> Frame:
         """Return some of the particles."""
-        arrays = (name for name in self._fields if name != "time")
-        return self._replace(**{name: getattr(self, name)[rows] for name in arrays})
+        arrays = {name: array[rows] for name, array in self.arrays.items()}
+        return Frame(self.time, self.position[rows], arrays)
+
+
+def magnitude(vector: NDArray[Any]) -> Floats:
+    """Return the lengths of vectors, (n,) array."""
+    length: Floats = np.linalg.norm(vector, axis=1)
+    return length
 
 
 def read_frame(time: float, file: Path) -> Frame:
@@ -75,17 +84,18 @@ def read_frame(time: float, file: Path) -> Frame:
     try:
         catcher = pyvista.VtkErrorCatcher(raise_errors=True, send_to_logging=False)
         with warnings.catch_warnings(), catcher:
-            warnings.simplefilter("ignore")  # pyvista warns of what the catcher raises
+            warnings.simplefilter(
+                "ignore"
+            )  # pyvista also warns about the errors that the catcher raises
             mesh = pyvista.read(file)
-        fields = [name for name in Frame._fields if name not in WITHOUT_FIELDS]
-        arrays = {name: np.asarray(mesh.point_data[name]) for name in fields}
-        return Frame(time, np.asarray(mesh.points), **arrays)
+        arrays = {a.name: np.asarray(mesh.point_data[a.name]) for a in arrays_in(FRAME)}
+        return Frame(time, np.asarray(mesh.points), arrays)
     except (RuntimeError, KeyError, ValueError) as error:
         raise OutputError(f"{file} is damaged: VTK cannot read its arrays") from error
 
 
 def _must_be_whole(file: Path) -> None:
-    # VTK prints its own lines on a file that was cut off, so that is found out before
+    # VTK prints messages of its own about a truncated file, so this is checked first
     if not file.is_file():
         raise OutputError(f"{file} is missing, although the run lists it as one of its frames")
     with file.open("rb") as stream:

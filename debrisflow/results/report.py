@@ -27,6 +27,7 @@ RUNNING = "still running, or interrupted"
 LARGEST_PICTURE = 8 * 2**20  # bytes, of one that a page still carries
 TIMING = (
     ("wall_seconds", "wall time", "{:.0f} s"),
+    ("compile_seconds", "compiling kernels, once", "{:.0f} s"),
     ("steps", "steps", "{}"),
     ("seconds_per_step", "seconds a step", "{:.3g}"),
     ("particles", "particles at the end, walls included", "{}"),

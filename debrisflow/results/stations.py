@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
+from debrisflow.case.probe import Probe
 from debrisflow.case.shapes import Channel3D, Tank3D
 from debrisflow.results.frames import Frame
 from debrisflow.run.measures import particle_volume, wetted_width
+from debrisflow.run.probes import columns_of
 from debrisflow.run.tables import Row, Table, rows_where
 from debrisflow.space.domain import domain
 from debrisflow.space.floor import floor_bend, height_over_floor
@@ -70,6 +72,7 @@ HYDROGRAPH_HEAD = (
     "  particle: what is downstream now and what has left the run, downstream as it is taken",
     "in a case that repeats along x there are no volumes: nan",
 )
+FLOW_COLUMNS = {"discharge", "sediment_discharge", "volume", "sediment_volume"}
 VOLUME = {2: "m2", 3: "m3"}
 COUNT_DIGITS = 6  # of a particle, above the rounding of sums over particles
 
@@ -233,6 +236,15 @@ def normalized(
     height[moving] = (y[moving] - zero) / (y[surface] - zero)
     speed[moving] = velocity[moving] / velocity[surface]
     return height, speed
+
+
+def flow_probes(case: ResolvedCase) -> list[Probe]:
+    """Return the probes of a case whose samples are hydrographs, as those at stations are."""
+    return [
+        probe
+        for probe in case.probe
+        if {column.name for column in columns_of(probe, case.dimension)} >= FLOW_COLUMNS
+    ]
 
 
 def hydrograph_rows(

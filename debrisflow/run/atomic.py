@@ -1,4 +1,4 @@
-"""Files that stand in a folder whole or not at all, also after a crash while one is written."""
+"""Writes files so that they are complete or absent, even after a crash during writing."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ UNFINISHED = ".unfinished"
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
-    """Yield a name beside a path to write to; what was written takes the path's place at the end.
+    """Yield a temporary name beside a path; at the end the file written there replaces the path.
 
-    The folder is made if need be.  If the block raises, the path keeps what it held before.
+    The folder is created if it does not exist.  If the block raises, the path is unchanged.
 
     Raises
     ------
     OutputError
-        Where the system refuses to write.
+        If the operating system refuses to write.
     """
     unfinished = path.with_name(path.name + UNFINISHED)
     try:

@@ -1,4 +1,4 @@
-"""Checkpoints: the whole state of a run in one HDF5 file, from which it goes on bit for bit."""
+"""Checkpoints: the whole state of a run in one HDF5 file; a resumed run repeats its bits."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ from debrisflow.run.atomic import replaced
 
 # the records in a state, by the names of its fields
 PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima}
+SUMS = "sums"
 
 
 def save(path: Path, state: State) -> None:
-    """Write a state; the checkpoint that was there is replaced once the new one is whole.
+    """Write a state; an earlier checkpoint is replaced when the new one is complete.
 
-    Arrays become data sets and scalars attributes, under the names of the records' fields.
-    VTK reads the file, which asks for the older HDF5 format and gzip.
+    Arrays become data sets and scalars attributes, under the names of the records' fields; records
+    and the sums of the probes become groups.
+    The older HDF5 format and gzip make the file readable by VTK.
 
     Parameters
     ----------
@@ -47,14 +49,18 @@ def load(path: Path) -> State:
     """
     try:
         with h5py.File(path, "r") as file:
-            parts = {name: part(**_taken(file[name], part)) for name, part in PARTS.items()}
-            return State(**parts, **_taken(file, State))
+            parts = {name: part(**_taken(_group(file, name), part)) for name, part in PARTS.items()}
+            sums = {name: array[()] for name, array in _group(file, SUMS).items()}
+            return State(**parts, sums=sums, **_taken(file, State))
     except FileNotFoundError as error:
         raise OutputError(f"there is no checkpoint {path}") from error
-    except (OSError, KeyError, TypeError) as error:
+    except KeyError as error:
         raise OutputError(
-            f"{path} is damaged or was written by another version: {error}"
+            f"{path} was written by another version of debrisflow and cannot be continued: "
+            f"{error.args[0]}; start the run again with: debrisflow run"
         ) from error
+    except OSError as error:
+        raise OutputError(f"{path} is damaged: {error}") from error
 
 
 def _put(group: h5py.Group, record: State | Particles | Maxima) -> None:
@@ -62,17 +68,28 @@ def _put(group: h5py.Group, record: State | Particles | Maxima) -> None:
         value = getattr(record, field.name)
         if field.name in PARTS:
             _put(group.create_group(field.name), value)
+        elif field.name == SUMS:
+            sums = group.create_group(SUMS)
+            for name, array in value.items():
+                sums.create_dataset(name, data=array)
         elif isinstance(value, np.ndarray):
             group.create_dataset(field.name, data=value, compression="gzip")
         else:
             group.attrs[field.name] = value
 
 
+def _group(file: h5py.File, name: str) -> h5py.Group:
+    if name not in file:
+        raise KeyError(f"it lacks {name}")
+    return file[name]
+
+
 def _taken(group: h5py.Group, record: type[Any]) -> dict[str, Any]:
-    """Return the arrays and scalars of a group; none may be missing, or a default would slip in."""
+    """Return the arrays and scalars of a group; a missing one is an error, never a default."""
     arrays = {name: item[()] for name, item in group.items() if isinstance(item, h5py.Dataset)}
     found = arrays | {name: value.item() for name, value in group.attrs.items()}
-    missing = {field.name for field in fields(record)} - found.keys() - PARTS.keys()
-    if missing:
-        raise KeyError(", ".join(sorted(missing)))
+    expected = {field.name for field in fields(record)} - PARTS.keys() - {SUMS}
+    for names, word in ((expected - found.keys(), "lacks"), (found.keys() - expected, "has")):
+        if names:
+            raise KeyError(f"it {word} {', '.join(sorted(names))}")
     return found

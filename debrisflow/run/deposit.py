@@ -1,4 +1,4 @@
-"""The deposit series: how high the deposit stands over the bed, in time."""
+"""The time series of the height of the deposit over the floor."""
 
 from __future__ import annotations
 

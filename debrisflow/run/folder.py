@@ -1,4 +1,4 @@
-"""The folder of a run: its files, and what is written into them."""
+"""The folder of a run and its files."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from typing import Any, Self
 
 from debrisflow.case import ResolvedCase, dump_case
 from debrisflow.errors import OutputError
+from debrisflow.particles.arrays import WALLS
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
 from debrisflow.run.deposit import DepositWriter
 from debrisflow.run.history import HistoryWriter
 from debrisflow.run.maxima import write_maxima
 from debrisflow.run.measures import DepositProfile
-from debrisflow.run.probes import ProbeWriter, is_probe_file
+from debrisflow.run.probe import ProbeWriter, is_probe_file
+from debrisflow.run.probes import columns_of
 from debrisflow.run.vtu import FOLDER, Collection, write_walls
 
 CASE = "case.toml"
 FRAMES = "particles.pvd"
-WALLS = "walls.vtu"
 DEPOSIT = "deposit.csv"
 HISTORY = "history.csv"
 MAXIMA = "maxima.csv"
@@ -58,7 +59,7 @@ DERIVED = (
 class RunFolder:
     """The folder that holds the case, the results and the checkpoint of one run.
 
-    While it is open, what the package logs goes into its ``run.log``.
+    While it is open, messages logged by the package are written into its ``run.log``.
 
     Parameters
     ----------
@@ -83,7 +84,9 @@ class RunFolder:
         if case.probe:
             (path / PROBES).mkdir(exist_ok=True)
         self._probes = {
-            probe.name: ProbeWriter(path / PROBES / f"{probe.name}.csv", probe, case.dimension)
+            probe.name: ProbeWriter(
+                path / PROBES / f"{probe.name}.csv", probe, columns_of(probe, case.dimension)
+            )
             for probe in case.probe
         }
         self.log = logging.getLogger("debrisflow")
@@ -94,15 +97,15 @@ class RunFolder:
 
     @classmethod
     def create(cls, path: Path, case: ResolvedCase, overwrite: bool = False) -> Self:
-        """Return a fresh folder for a case, written into it with every default.
+        """Return a new folder for a case; the case is written into it with all defaults.
 
         Parameters
         ----------
         path : Path
-            Made if it is not there; may hold other files, which are left alone.
-        case : ResolvedCase
+            Created if it does not exist; other files in it are left alone.
+        case : Case
         overwrite : bool
-            Remove the results that the folder holds; otherwise it is refused.
+            Remove the results that the folder holds; otherwise they are an error.
 
         Raises
         ------
@@ -137,8 +140,8 @@ class RunFolder:
     def write_frame(self, state: State) -> None:
         """Write the particles as the next frame, and the maxima until then.
 
-        In three dimensions most particles are walls, which do not move: they stand once in a file
-        of their own, and the frames hold the fluid and the waiting supply.
+        In three dimensions most particles are walls, which do not move.  They are written once into
+        a file of their own, and the frames hold the fluid and the inflow particles.
         """
         p = state.particles
         if self.case.dimension == 3:
@@ -150,7 +153,7 @@ class RunFolder:
         self.write_maxima(state)
 
     def write_maxima(self, state: State) -> None:
-        """Write the maxima of the run until now."""
+        """Write the maxima of the run up to the time of the state."""
         write_maxima(self.path / MAXIMA, self.case, state.time, state.maxima)
 
     def write_deposit(self, time: float, profile: DepositProfile) -> None:
@@ -166,12 +169,12 @@ class RunFolder:
         self._probes[name].write(time, sample)
 
     def write_summary(self, summary: Mapping[str, Any]) -> None:
-        """Write what a finished run says of itself."""
+        """Write the summary of a run that has ended."""
         with replaced(self.path / SUMMARY) as unfinished:
             unfinished.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
 
     def rewind(self, time: float) -> None:
-        """Drop what was written later than a time, s, and what told of an earlier end."""
+        """Remove rows and frames later than a time, s, and the summary of an earlier end."""
         self._frames.drop_after(time)
         self._deposit.truncate_after(time)
         self._history.truncate_after(time)
@@ -181,7 +184,7 @@ class RunFolder:
             (self.path / name).unlink(missing_ok=True)
 
     def detach_log(self) -> None:
-        """Let the package log no longer into this folder."""
+        """Stop writing log messages into this folder."""
         self.log.removeHandler(self._handler)
         self._handler.close()
 
@@ -208,7 +211,7 @@ class RunFolder:
 
 
 def _results(path: Path) -> Iterator[Path]:
-    """Yield the files of ours that a folder holds, those of a broken-off write among them."""
+    """Yield the files in a folder that a run has written, including unfinished ones."""
     tables_and_logs = [path / name for name in RESULTS]
     probes = [file for file in path.glob(f"{PROBES}/*.csv") if is_probe_file(file)]
     derived = [path / POSTPROCESS / name for name in DERIVED]
@@ -227,7 +230,7 @@ def _results(path: Path) -> Iterator[Path]:
 def _clear(path: Path, overwrite: bool) -> None:
     results = list(_results(path))
     if [file.name for file in results] == [CASE]:
-        # no run leaves a case alone: it is somebody's own, with comments that ours would not have
+        # a run never leaves a case alone, so this is the user's own file, with comments to be kept
         raise OutputError(
             f"{path} holds a {CASE} that no run wrote, and results would replace it; "
             "choose another folder"

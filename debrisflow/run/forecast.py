@@ -1,4 +1,4 @@
-"""What a case will run, told before it runs: particles, lattice, time step, memory and disk."""
+"""The forecast of a run: particles, lattice, time step, memory and disk space."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
 
-# One fluid particle in a compressed particle file.  Walls take less: with random fields and three
-# particles in five fluid, 37 were measured.
+# One fluid particle in a compressed particle file.  Wall particles take less: 37 bytes a particle
+# were measured with random fields where three particles in five were fluid.
 BYTES_ON_DISK = 60
 
 
 @dataclass(frozen=True)
 class Sound:
-    """How nearly incompressible a weakly compressible flow is.
+    """The figures that show how nearly incompressible a weakly compressible flow is.
 
     Attributes
     ----------
@@ -41,18 +41,18 @@ class Sound:
     compression: float
 
     def __str__(self) -> str:
-        """Return the figures as a line for people, with a warning where they are poor."""
-        told = (
+        """Return the figures as a readable line, with a warning if they are poor."""
+        line = (
             f"{self.ratio:.3g}: the speed of sound is {self.speed:.3g} m/s, "
             f"the compression at rest {100 * self.compression:.2g} %"
         )
         if self.ratio < LEAST_SOUND_RATIO * (1 - 1e-9):
             enough = self.speed * LEAST_SOUND_RATIO / self.ratio
-            told += (
+            line += (
                 f"\nwarning        c/u = {self.ratio:.3g}: below {LEAST_SOUND_RATIO:g}, "
                 f"the flow is compressible; scheme.sound_speed = {enough:.3g} m/s would do"
             )
-        return told
+        return line
 
 
 @dataclass(frozen=True)
@@ -62,15 +62,15 @@ class Forecast:
     Attributes
     ----------
     counts : dict of str to int
-        Particles by kind, those that are there.
+        Particles by kind, without kinds that the case lacks.
     lattice : Reference
         Lattice constants of the influence radius.
     first_step, smallest_step : float, s
         Time step at the start, and at the largest speed.
     largest_speed : float, m/s
-        Of a free fall through the height of fills and supply, on top of the speeds given.
+        That of a free fall through the height of fills and supply, added to the given speeds.
     steps : int
-        Steps to the end, at the smallest step.
+        Steps to the end if all are as short as the smallest.
     memory, disk : float, bytes
     frames : int
         Particle files.
@@ -90,7 +90,7 @@ class Forecast:
     sound: Sound | None
 
     def __str__(self) -> str:
-        """Return the figures as a few lines for people."""
+        """Return the figures as a few readable lines."""
         kinds = ", ".join(f"{count:,} {kind}" for kind, count in self.counts.items())
         lattice = self.lattice
         sound = self.sound or "none: the semi-implicit scheme is incompressible"
@@ -121,8 +121,8 @@ class Forecast:
 def forecast(case: ResolvedCase) -> Forecast:
     """Return the figures of a checked case.
 
-    The number of steps is an upper estimate, since friction and walls keep the flow below the
-    speed of a free fall.
+    The number of steps is an upper estimate, because friction and walls keep the flow slower than
+    a free fall.
     """
     given = given_speed(case.fill, case.inflow, case.geometry, case.walls)
     space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
@@ -153,7 +153,7 @@ def _sound(case: ResolvedCase, speed: float, fall: float) -> Sound | None:
 
 
 def _counts(case: ResolvedCase) -> dict[str, int]:
-    """Return the numbers of the particles that are seeded, by kind."""
+    """Return the number of seeded particles by kind."""
     numbers = np.bincount(seed(case).kind, minlength=len(Kind))
     names = {kind: kind.name.lower() for kind in Kind} | {Kind.DUMMY: "dummy wall"}
     return {names[kind]: int(numbers[kind]) for kind in Kind if numbers[kind]}

@@ -1,4 +1,4 @@
-"""The history of a run: one row of totals a time."""
+"""The history of a run: a row of totals at each output time."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def history_row(
 
 
 def _budget(case: ResolvedCase, state: State) -> dict[str, float | int]:
-    """Return particles, mass and volume of sediment by way, the first two by phase too."""
+    """Return particles and mass by way and phase, and the volume of sediment by way."""
     p, fluid = state.particles, state.particles.fluid
     inside, inside_sediment = np.zeros(len(PHASES), dtype=np.int64), np.zeros(len(PHASES))
     count_phases(p.kind[fluid], p.sediment_fraction[fluid], inside, inside_sediment)

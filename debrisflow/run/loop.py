@@ -4,37 +4,34 @@ from __future__ import annotations
 
 import logging
 import math
-import platform
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import version
 from pathlib import Path
 from threading import current_thread, main_thread
-from time import perf_counter
 from typing import Any
-
-from tqdm import tqdm
 
 from debrisflow._jit import THREADING_LAYER, cores, set_threads
 from debrisflow.case import ResolvedCase, load_case
 from debrisflow.errors import DivergedError, NotConvergedError
-from debrisflow.particles.state import PHASES, State, initial_state
+from debrisflow.particles.state import State, initial_state
 from debrisflow.run import checkpoint
-from debrisflow.run.crossings import Crossings
 from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder
 from debrisflow.run.history import history_row
-from debrisflow.run.measures import deposit_profile, flow, particle_volume
-from debrisflow.run.probes import WallForce, probe_measures
+from debrisflow.run.measures import deposit_profile, flow
+from debrisflow.run.probe import Sampler
+from debrisflow.run.probes import samplers
+from debrisflow.run.progress import Progress
 from debrisflow.run.schedule import Schedule
+from debrisflow.run.summary import summary
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.schemes.semi_implicit import SemiImplicit
 
-LOG = logging.getLogger("debrisflow.run.loop")
+LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
-LEAST_STEP = 1.0e-5
-INTERRUPTED = "interrupted"
+LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
+INTERRUPTED = "interrupted"
 SCHEMES: dict[str, type[SemiImplicit] | type[Explicit]] = {
     "semi-implicit": SemiImplicit,
     "explicit": Explicit,
@@ -65,12 +62,12 @@ def simulate(
     CaseError, OutputError, DivergedError
     """
     state = initial_state(case)
-    probe_measures(case, state.particles)  # what is wrong with a probe, before a folder is touched
-    with RunFolder.create(Path(folder), case, overwrite) as results:
-        run = _Run(case, results, state, threads)
+    probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
+    with RunFolder.create(Path(folder), case, overwrite) as results, Progress(case, state) as shown:
+        run = _Run(case, results, state, probes, shown, threads)
         run.scheme.fill_number_density(state)
-        run.write(0)
-        run.sample(-math.inf)
+        run.write(iterations=0)
+        run.sample(before=-math.inf)
         return run.finish()
 
 
@@ -78,19 +75,27 @@ def resume(folder: Path, threads: int | None = None) -> dict[str, Any]:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`."""
     case = load_case(folder / CASE)
     state = checkpoint.load(folder / CHECKPOINT)
-    with RunFolder.open(folder, case) as results:
+    probes = samplers(case, state)
+    with RunFolder.open(folder, case) as results, Progress(case, state) as shown:
         results.rewind(state.time)
         LOG.info("resumed at t = %g s, step %d", state.time, state.step)
-        return _Run(case, results, state, threads).finish()
+        return _Run(case, results, state, probes, shown, threads).finish()
 
 
 class _Run:
-    """One run: its case, folder, state, scheme and schedules."""
+    """One run: its case, folder, state, scheme, probes and schedules."""
 
     def __init__(
-        self, case: ResolvedCase, results: RunFolder, state: State, threads: int | None
+        self,
+        case: ResolvedCase,
+        results: RunFolder,
+        state: State,
+        probes: dict[str, Sampler],
+        progress: Progress,
+        threads: int | None,
     ) -> None:
         self.case, self.results, self.state = case, results, state
+        self.probes, self.progress = probes, progress
         self.scheme = SCHEMES[case.scheme.type](case)
         useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
         self.threads = set_threads(threads or min(cores(), useful))
@@ -98,15 +103,9 @@ class _Run:
         self.frames = Schedule(output.interval, 0.0, end)
         self.deposits = Schedule(output.deposit_interval, 0.0, end)
         self.histories = Schedule(output.history_interval, start, end)
-        self.probes = probe_measures(case, state.particles)
-        self.forces = [probe for probe in self.probes.values() if isinstance(probe, WallForce)]
-        self.crossings = Crossings(case, state)
         self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
-        self._owes_checkpoint = False
+        self._checkpoint_is_due = False
         self._asked_to_stop = False
-        self._particle_steps = 0
-        self._first_step = state.step
-        self._start = perf_counter()
         LOG.info(
             "%s: %d fluid of %d particles, %d threads (%s)",
             case.title,
@@ -126,64 +125,48 @@ class _Run:
             self._conclude(str(error))
             message = f"{error}; the last good state is in {self.results.checkpoint_path}"
             raise DivergedError(message) from error
-        summary = self._conclude(reason)
+        figures = self._conclude(reason)
         if reason == INTERRUPTED:
             raise KeyboardInterrupt
-        return summary
-
-    @contextmanager
-    def _polite_interrupt(self) -> Iterator[None]:
-        """Let the first Ctrl-C end the run where it can be resumed bit for bit."""
-
-        def ask(*_: object) -> None:
-            self._asked_to_stop = True
-            signal.signal(signal.SIGINT, former)
-
-        if current_thread() is not main_thread():
-            yield
-            return
-        former = signal.signal(signal.SIGINT, ask)
-        try:
-            yield
-        finally:
-            signal.signal(signal.SIGINT, former)
+        return figures
 
     def _loop(self) -> str:
-        state, end = self.state, self.case.time.end
-        total = end + self.case.time.relaxation
-        with tqdm(
-            total=total,
-            initial=state.time + self.case.time.relaxation,
-            bar_format="{percentage:3.0f}% |{bar:20}| {desc}, {remaining} left",
-            mininterval=0.5,
-        ) as bar:
-            while state.time < end:
-                if state.particles.fluid_count + state.particles.inflow_count == 0:
-                    return "no fluid is left"
-                at_fresh_start = state.step % self.scheme.REFRESH == 0
-                if at_fresh_start and (self._owes_checkpoint or self._asked_to_stop):
-                    # there the scheme starts afresh, so that a resumed run repeats the bits
-                    checkpoint.save(self.results.checkpoint_path, state)
-                    self._owes_checkpoint = False
-                if at_fresh_start and self._asked_to_stop:
-                    return INTERRUPTED
-                due = min(s.next_after(state.time) for s in self._schedules)
-                before = state.time
-                iterations = self._advance(due)
-                self.crossings.count(state)
-                for wall in self.forces:
-                    wall.add_impulse(state)
-                self.write(iterations)
-                self.sample(before)
-                self._show(bar)
+        """Take steps until the end, and return why the run ended."""
+        state = self.state
+        while state.time < self.case.time.end:
+            if state.particles.moving.stop == 0:
+                return "no fluid is left"
+            if self._stops_at_checkpoint():
+                return INTERRUPTED
+            before = state.time
+            iterations = self._advance(self._next_due())
+            for probe in self.probes.values():
+                probe.add_step(state)
+            self.write(iterations)
+            self.sample(before)
+            self.progress.count(state)
         return "end of the simulated time"
 
-    @property
-    def _schedules(self) -> tuple[Schedule, Schedule, Schedule]:
-        return self.frames, self.deposits, self.histories
+    def _stops_at_checkpoint(self) -> bool:
+        """Save a checkpoint that is due, and return whether the run is to stop there.
+
+        A checkpoint is saved only where the scheme starts afresh, so that a resumed run repeats
+        the bits.
+        """
+        if self.state.step % self.scheme.REFRESH != 0:
+            return False
+        if self._checkpoint_is_due or self._asked_to_stop:
+            checkpoint.save(self.results.checkpoint_path, self.state)
+            self._checkpoint_is_due = False
+        return self._asked_to_stop
+
+    def _next_due(self) -> float:
+        """Return the next time at which a step must end, s."""
+        schedules = (self.frames, self.deposits, self.histories)
+        return min(schedule.next_after(self.state.time) for schedule in schedules)
 
     def _advance(self, due: float) -> int:
-        """Take one step, landing exactly on a due time; return the iterations of the pressure."""
+        """Take one step that ends at or before a due time, s; return the solver's iterations."""
         state = self.state
         longest = self.scheme.stable_dt(state)
         if longest < LEAST_STEP * self.case.time.largest_step:
@@ -203,7 +186,6 @@ class _Run:
             state.time = due if steps == 1 else state.time + dt
             state.dt = dt
             state.step += 1
-            self._particle_steps += state.particles.fluid_count
             return iterations
         raise DivergedError(
             f"at t = {state.time:g} s, step {state.step}, a linear system was not solved even with "
@@ -211,7 +193,7 @@ class _Run:
         )
 
     def write(self, iterations: int) -> None:
-        """Write what is due at the time of the state."""
+        """Write the outputs that are due at the time of the state."""
         state, p = self.state, self.state.particles
         n0 = self.scheme.lattice.number_density
         if self.histories.is_due(state.time):
@@ -234,60 +216,51 @@ class _Run:
             self.results.write_deposit(state.time, profile)
         if self.frames.is_due(state.time):
             self.results.write_frame(state)
-            self._owes_checkpoint = True
+            self._checkpoint_is_due = True
 
     def sample(self, before: float) -> None:
-        """Write the probes that were due after a time, s, and up to that of the state.
+        """Write the samples of the probes that became due after a time, s.
 
-        Steps are not shortened for them, so that they leave the solution as it is.
+        Steps are not shortened for probes, so that probes do not change the solution.
         """
         for name, schedule in self.samples.items():
             if schedule.passed_due(before, self.state.time):
                 row = self.probes[name].sample(self.state)
                 self.results.write_probe(name, self.state.time, row)
 
-    def _show(self, bar: Any) -> None:
-        state = self.state
-        rate = self._particle_steps / (perf_counter() - self._start)
-        bar.set_description_str(
-            f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, "
-            f"{state.particles.fluid_count} particles, {rate:.2g} particle-steps/s",
-            refresh=False,
-        )
-        bar.update(state.time + self.case.time.relaxation - bar.n)
+    @contextmanager
+    def _polite_interrupt(self) -> Iterator[None]:
+        """Let the first Ctrl-C end the run at a step from which it can be resumed bit for bit."""
+
+        def ask(*_: object) -> None:
+            self._asked_to_stop = True
+            signal.signal(signal.SIGINT, former)
+
+        if current_thread() is not main_thread():
+            yield
+            return
+        former = signal.signal(signal.SIGINT, ask)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, former)
 
     def _conclude(self, reason: str) -> dict[str, Any]:
-        state, seconds = self.state, perf_counter() - self._start
+        """Write the maxima and the summary, and return the summary."""
+        state = self.state
         lost = int(state.through_wall.sum())
         if lost:
             LOG.warning("%d particles went through a wall", lost)
-        summary = {
-            "title": self.case.title,
-            "end_reason": reason,
-            "time": state.time,
-            "steps": state.step,
-            "wall_seconds": seconds,
-            "wall_seconds_by_phase": self.scheme.seconds,
-            "particle_steps_per_second": self._particle_steps / seconds,
-            "seconds_per_step": seconds / max(1, state.step - self._first_step),
-            "threads": self.threads,
-            "threading_layer": THREADING_LAYER,
-            "particles": state.particles.count,
-            "entered": dict(zip(PHASES, state.entered.tolist(), strict=True)),
-            "left": dict(zip(PHASES, state.left.tolist(), strict=True)),
-            "through_wall": dict(zip(PHASES, state.through_wall.tolist(), strict=True)),
-            "sediment_volume": {
-                way: float(sediment.sum()) * particle_volume(self.case)
-                for way, sediment in (
-                    ("entered", state.entered_sediment),
-                    ("left", state.left_sediment),
-                    ("through_wall", state.through_wall_sediment),
-                )
-            },
-            "versions": {"python": platform.python_version()}
-            | {name: version(name) for name in ("debrisflow", "numpy", "numba", "scipy")},
-        }
+        figures = summary(
+            self.case, state, reason, self.threads, self.progress, dict(self.scheme.seconds)
+        )
         self.results.write_maxima(state)
-        self.results.write_summary(summary)
-        LOG.info("%s: t = %g s after %d steps, %.1f s", reason, state.time, state.step, seconds)
-        return summary
+        self.results.write_summary(figures)
+        LOG.info(
+            "%s: t = %g s after %d steps, %.1f s",
+            reason,
+            state.time,
+            state.step,
+            figures["wall_seconds"],
+        )
+        return figures

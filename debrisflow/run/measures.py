@@ -1,8 +1,8 @@
-"""What is read from a set of particles: fronts, deposit, flow, energy (NumPy only).
+"""Quantities measured from a set of particles: fronts, deposit, flow, energy (NumPy only).
 
-The writers and the post-processing measure alike because both call these functions.  They take
-the arrays of all particles, in any order, and choose the fluid by its kind.  All particles have
-the volume d0^Ds: m2, per meter of width, in two dimensions, and m3 in three.
+The writers and the post-processing both call these functions, so that their figures agree.  The
+functions take the arrays of all particles in any order and select the fluid by its kind.  All
+particles have the volume d0^Ds: m2, per meter of width, in two dimensions, and m3 in three.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def mass(case: ResolvedCase, number: ArrayLike, sediment: ArrayLike) -> Floats:
 
 
 def is_fluid(kind: ArrayLike) -> NDArray[np.bool_]:
-    """Return which particles are liquid, sediment or mixture; waiting supply is not."""
+    """Return which particles are liquid, sediment or mixture; inflow particles are not fluid."""
     return np.asarray(kind) <= Kind.MIXTURE
 
 
@@ -103,9 +103,9 @@ def fronts(
 ) -> dict[str, float]:
     """Return how far the flow reaches: the x behind which a share of its volume lies, m.
 
-    What is faster than ``output.rest_speed`` flows.  Particles count whole, by their centers, so
-    that a front is the x of a particle and a flow of fewer than 200 ends at its foremost one.
-    In three dimensions too x alone counts: the front is the foremost of the whole width.
+    A particle flows if it is faster than ``output.rest_speed``.  Particles count whole, by their
+    centers, so that a front is the x of a particle, and that of a flow of fewer than 200 particles
+    is the x of the foremost one.  In three dimensions the front is the foremost of the whole width.
 
     Parameters
     ----------
@@ -147,14 +147,14 @@ def deposit_profile(
     floor, which under a bed is the bottom of its recess, or the top of an obstacle.  A particle
     reaches d0/2 above its center.
 
-    A particle is deposited if it is slower than ``output.rest_speed`` and, other than a mixture
-    particle, sees a concentration of 0.3 or more.  The deposit grows from the floor from one
+    A particle is deposited if it is slower than ``output.rest_speed`` and, unless it is a mixture
+    particle, its local concentration is 0.3 or more.  The deposit grows from the floor from one
     deposited particle to the next higher one of the cell, whichever column it stands in, until the
-    next is more than 1.5 d0 higher: a layer without any ends it, a single particle that flows or
-    stands among water does not.  (The concentration seen by a particle of a mixed bed scatters: if
-    any such particle ended the deposit, it would be measured too thin.)
+    next is more than 1.5 d0 higher: a layer without deposited particles ends it, but a single
+    particle that flows or is surrounded by water does not.  (The local concentration in a mixed bed
+    scatters; if any particle below 0.3 ended the deposit, it would be measured too thin.)
 
-    The flow reaches up to the highest particle with n >= 0.5 n0, so that drops do not count.
+    The flow height is that of the highest particle with n >= 0.5 n0, which excludes drops.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def _mean_by_cell(
 def flow(case: ResolvedCase, particles: Particles, reference_number_density: float) -> Flow:
     """Return depth, mean speed and momentum flux of the flow over each cell.
 
-    The depth is the flow height of :func:`deposit_profile`, what lies at rest included.  Of the
+    The depth is the flow height of :func:`deposit_profile`, including material at rest.  Of the
     particles with n >= 0.5 n0 of a cell, the speed is the mean of ``|u|``, and the momentum flux
     is ``sum rho V |u|^2 / A``, the integral of rho u^2 over the depth, with the volume V = d0^Ds
     of a particle and the area A of the cell.
@@ -314,11 +314,11 @@ def elastic_energy(
     """Return the energy that compression stores in the fluid, J; 0 if it is incompressible.
 
     With p = rho0 c^2 s, the force ``-grad p / rho0`` and the continuity ``ds/dt = -(1 + s) div u``
-    of the explicit scheme, what motion loses to pressure a unit of mass stores as
+    of the explicit scheme, the work against pressure is stored in a unit of mass as
 
         e = integral of c^2 s / (1 + s) ds from 0 to s = c^2 [s - ln(1 + s)],
 
-    about ``c^2 s^2 / 2``; nothing where s < 0, since the fluid bears no tension.
+    about ``c^2 s^2 / 2``; it is 0 where s < 0, because the fluid has no tensile strength.
 
     Parameters
     ----------

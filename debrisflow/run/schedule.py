@@ -1,4 +1,4 @@
-"""When something is due."""
+"""Times at which an output is due."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 
 
 class Schedule:
-    """Times at which something is due: the start, the whole multiples of an interval, the end.
+    """Times at which an output is due: the start, the whole multiples of an interval, the end.
 
-    The times are multiples, not sums, and so do not drift; a multiple that rounding puts beside
-    the start or the end is that.
+    The times are multiples, not sums, and therefore do not drift.  A multiple that differs from the
+    start or the end by rounding only is not a time of its own.
 
     Parameters
     ----------
@@ -43,5 +43,5 @@ class Schedule:
         return abs(self.next_after(time - 2.0 * self._rounding) - time) <= self._rounding
 
     def passed_due(self, before: float, time: float) -> bool:
-        """Return whether a due time is later than a time ``before``, s, and not than ``time``."""
+        """Return whether there is a due time after ``before``, s, and not after ``time``, s."""
         return self.next_after(before) <= time + self._rounding

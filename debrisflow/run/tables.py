@@ -1,4 +1,4 @@
-"""Tables in time as CSV files: comments, one line of column names, rows; written and read."""
+"""Time series as CSV files: comments, a line of column names, rows; writing and reading."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def write_table(
 ) -> None:
     """Write a whole table: its head as comments, the names of its columns, its rows.
 
-    The first column, the time, stands with every digit, so that it can be compared; the others
-    have nine digits.
+    The first column, the time, is written with all digits, so that it can be compared exactly; the
+    others have nine digits.
     """
     with replaced(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
         file.writelines(f"# {line}\n" for line in head)
@@ -43,21 +43,23 @@ def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Ta
     ----------
     path : Path
     grows : bool
-        A last line without its end is one that is being written, and is left out.
+        A last line without a line end is still being written, and is left out.
     needed : iterable of str
-        Names of columns that must be there.
+        Names of columns that the file must have.
 
     Raises
     ------
     OutputError
-        If the file is missing, lacks a column, or its rows are not numbers or not as long as its
-        head.
+        If the file is missing or lacks a column, or if a row is not numbers or not as long as the
+        line of names.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        told = "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}"
-        raise OutputError(f"{path} {told}") from error
+        problem = (
+            "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}"
+        )
+        raise OutputError(f"{path} {problem}") from error
     whole = text[: text.rfind("\n") + 1 if grows else None].splitlines()
     lines = [line for line in whole if line and not line.startswith("#")]
     if not lines:
@@ -76,7 +78,7 @@ def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Ta
 
 
 class Series:
-    """A table that grows while a run goes on, and continues after it was interrupted.
+    """A table to which rows are added during a run, also after an interruption.
 
     Parameters
     ----------
@@ -85,7 +87,7 @@ class Series:
     columns : sequence of str
         Names of the columns; the first is the time.
     head : sequence of str
-        Lines that say what the columns mean, written as comments.
+        Lines that explain the columns, written as comments.
     """
 
     def __init__(self, path: Path, columns: Sequence[str], head: Sequence[str]) -> None:
@@ -105,7 +107,7 @@ class Series:
             raise OutputError(f"cannot write {self.path}: {error.strerror}") from error
 
     def truncate_after(self, time: float) -> None:
-        """Drop the rows later than a time, s, and a row that was left half written.
+        """Remove the rows later than a time, s, and an incomplete last row.
 
         Raises
         ------

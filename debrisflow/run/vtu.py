@@ -1,37 +1,26 @@
-"""Particle files that ParaView and pyvista open: one VTU a frame, and the PVD that dates them."""
+"""Particle files for ParaView and pyvista: a VTU file a frame, and a PVD file with their times."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import meshio
 import numpy as np
-from numpy.typing import NDArray
 
 from debrisflow.errors import OutputError
+from debrisflow.particles.arrays import FRAME, WALLS, arrays_in
 from debrisflow.particles.record import Particles
 from debrisflow.run.atomic import replaced
 
-Floats = NDArray[np.float64]
 FOLDER = "vtu"
-REALS = (
-    "velocity",
-    "pressure",
-    "density",
-    "number_density",
-    "concentration",
-    "granular_temperature",
-)
 
 
 def write_particles(path: Path, particles: Particles, rows: slice = slice(None)) -> None:
     """Write particles as vertex cells of a binary VTU compressed by zlib.
 
-    Positions are float64, since terrain may lie far from its origin, and so is the sediment
-    fraction, which adds up to the volume of the sediment; the other reals are float32, which is
-    finer than the solver's tolerance.  ``on_free_surface`` is 0 or 1.
+    The arrays are those of :data:`debrisflow.particles.arrays.ARRAYS`.  Positions are float64,
+    since terrain may lie far from its origin.
 
     Parameters
     ----------
@@ -40,12 +29,7 @@ def write_particles(path: Path, particles: Particles, rows: slice = slice(None))
     rows : slice, optional
         Which particles; all by default.
     """
-    data = {name: getattr(particles, name)[rows].astype(np.float32) for name in REALS}
-    data["sediment_fraction"] = particles.sediment_fraction[rows]
-    data["kind"] = particles.kind[rows]
-    data["on_free_surface"] = particles.on_free_surface[rows].astype(np.uint8)
-    data["id"] = particles.id[rows]
-    _write_points(path, particles.position[rows], data)
+    _write_points(path, particles, rows, FRAME)
 
 
 def write_walls(path: Path, particles: Particles) -> None:
@@ -58,13 +42,15 @@ def write_walls(path: Path, particles: Particles) -> None:
     path : Path
     particles : Particles
     """
-    solid = slice(particles.inflow.stop, None)
-    data = {name: getattr(particles, name)[solid] for name in ("kind", "id", "wall")}
-    data["wall_normal"] = particles.wall_normal[solid].astype(np.float32)
-    _write_points(path, particles.position[solid], data)
+    _write_points(path, particles, slice(particles.inflow.stop, None), WALLS)
 
 
-def _write_points(path: Path, position: Floats, data: dict[str, Any]) -> None:
+def _write_points(path: Path, particles: Particles, rows: slice, file: str) -> None:
+    position = particles.position[rows]
+    data = {
+        array.name: getattr(particles, array.name)[rows].astype(array.storage)
+        for array in arrays_in(file)
+    }
     vertices = np.arange(len(position))[:, None]
     mesh = meshio.Mesh(position, [("vertex", vertices)], point_data=data)
     with replaced(path) as unfinished:
@@ -89,7 +75,7 @@ def read_collection(path: Path) -> list[tuple[float, Path]]:
 class Collection:
     """The frames of a run: ``vtu/NNNNNN.vtu`` and the PVD beside that folder.
 
-    The PVD lists a frame only once its file is whole, so that a running run can be opened.
+    The PVD lists a frame only when its file is complete, so that a running run can be opened.
 
     Parameters
     ----------

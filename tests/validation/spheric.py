@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
-from debrisflow.run.probes import probe_measures
+from debrisflow.run.probes import samplers
 from tests.validation.marching import energy, states
 
 Floats = NDArray[np.float64]
@@ -146,7 +146,7 @@ def run(spacing: float = 0.05, end: float = 2.0, overrides: tuple[str, ...] = ()
     case = build(spacing, end, overrides)
     rows, greatest, start, measures = [], 0.0, 0.0, {}
     for state in states(case, MEAN_OVER / SAMPLES):
-        measures = measures or probe_measures(case, state.particles)
+        measures = measures or samplers(case, state)
         samples = {name: measure.sample(state) for name, measure in measures.items()}
         levels = np.array([samples[name] for name in GAUGES])
         pressures = [samples[name][0] for name in PRESSURES]

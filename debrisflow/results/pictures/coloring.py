@@ -1,4 +1,4 @@
-"""What the colors of particles say: their kind, or a field by a scale that all frames share."""
+"""The colors of particles: by their kind, or by a quantity on a scale that all frames share."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import numpy as np
 from matplotlib import colormaps
 from numpy.typing import NDArray
 
+from debrisflow.particles.arrays import COLORED
 from debrisflow.particles.record import Kind
-from debrisflow.results.frames import Frame
+from debrisflow.results.frames import Frame, magnitude
 
 Floats = NDArray[np.float64]
 Colors = NDArray[np.uint8]
-# Okabe & Ito's, which color-blind readers can tell apart; what does not flow is gray
+# by Okabe & Ito, distinguishable by color-blind readers; walls are gray
 KIND_COLORS = {
     Kind.LIQUID: "#56b4e9",
     Kind.SEDIMENT: "#d55e00",
@@ -29,25 +30,19 @@ KIND_WORDS = {
     Kind.MIXTURE: "mixture",
     Kind.INFLOW: "waiting supply",
 }
-FIELDS = {
-    "speed": "speed (m/s)",
-    "concentration": "sediment concentration",
-    "pressure": "pressure (Pa)",
-    "granular_temperature": "granular temperature (m²/s²)",
-}
 COLOR_MAP = "viridis"
-UNKNOWN_SUPPLY = "#cccccc"  # the fields of waiting supply mean nothing
-# Percentiles beyond which a value has the color of the end, so that a splash does not set the scale
+UNKNOWN_SUPPLY = "#cccccc"  # inflow particles have no meaningful values
+# Percentiles at the ends of the scale, so that a splash does not determine it
 LOW, HIGH = 1.0, 99.0
 
 
 class Scale(NamedTuple):
-    """A field and the values between which its colors run; kinds have no such values.
+    """A quantity and the range of values of its colors; kinds have no range.
 
     Attributes
     ----------
     by : str
-        ``kind`` or one of :data:`FIELDS`.
+        A key of :data:`debrisflow.particles.arrays.COLORED`.
     low, high : float
         In the unit of the field.
     greatest : float
@@ -89,19 +84,19 @@ def channels(color: str) -> tuple[int, ...]:
 
 
 def values(frame: Frame, by: str) -> Floats:
-    """Return a field of a frame, (n,) array."""
-    field: Floats = getattr(frame, by)
-    return field
+    """Return the values of a frame by which it is colored, (n,) array."""
+    array = frame.arrays[COLORED[by].name]
+    return array if array.ndim == 1 else magnitude(array)
 
 
 def default_field(frames: Sequence[Frame]) -> str:
-    """Return by what to color if nobody asks: the kind where there are several, else the speed."""
+    """Return the default coloring: the kind if there are several, else the speed."""
     kinds = {int(kind) for frame in frames for kind in np.unique(frame.kind[frame.fluid])}
     return "kind" if len(kinds) > 1 else "speed"
 
 
 def scale_of(frames: Sequence[Frame], by: str) -> Scale:
-    """Return a scale that suits all frames: from 0, or below, to where 1 % of the values is above.
+    """Return a scale for all frames: from 0 or below up to the 99th percentile of the values.
 
     Examples
     --------

@@ -15,7 +15,8 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from debrisflow.results.pictures.coloring import COLOR_MAP, FIELDS, Scale
+from debrisflow.particles.arrays import COLORED
+from debrisflow.results.pictures.coloring import COLOR_MAP, Scale
 
 WIDTH = 16.0  # of a page's text, cm
 TALLEST_PAGE = 23.0
@@ -138,7 +139,8 @@ class Sheet:
         extend = "max" if scale.clipped else "neither"
         bar = self.figure.colorbar(values, cax=axes, orientation="horizontal", extend=extend)
         note = f"; beyond the scale up to {scale.greatest:.3g} in these panels"
-        bar.set_label(FIELDS[scale.by] + (note if scale.clipped else ""), fontsize=SMALL)
+        label = COLORED[scale.by].color_label + (note if scale.clipped else "")
+        bar.set_label(label, fontsize=SMALL)
         axes.tick_params(labelsize=SMALL, length=2.5, pad=2)
         axes.xaxis.set_major_locator(MaxNLocator(6))
 

@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from debrisflow.case.probes import SectionProbe
 from debrisflow.results import stations
 from debrisflow.results.budgets import MATTER
 from debrisflow.results.fronts import NAMES, arrival
@@ -179,7 +178,7 @@ def hydrograph_figure(found: Survey) -> Figure:
     three = found.run.case.dimension == 3
     per = "" if three else "\nper meter of width"
     figure, axes = panels(3, sharex=True)
-    sections = [probe for probe in found.run.case.probe if isinstance(probe, SectionProbe)]
+    sections = stations.flow_probes(found.run.case)
     table, places = found.hydrographs, found.stations
     words = labelled([f"x = {x:g} m" for x in places])
     curves: list[tuple[str, Table, Any, str]] = [
@@ -187,7 +186,7 @@ def hydrograph_figure(found: Survey) -> Figure:
         for x, word, color in zip(places, words, sequence(len(places)), strict=True)
     ]
     curves += [
-        (f"section {probe.name}", found.run.probe(probe.name), color, "--")
+        (f"{probe.type} {probe.name}", found.run.probe(probe.name), color, "--")
         for probe, color in zip(sections, CYCLE * len(sections), strict=False)
     ]
     for label, part, color, line in curves:

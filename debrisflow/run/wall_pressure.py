@@ -1,8 +1,8 @@
-"""The pressure of the fluid on a wall, read from the particles next to it (NumPy and SciPy only).
+"""The pressure of the fluid on a wall, from the particles next to it (NumPy and SciPy only).
 
-The surface of a wall is the faces between its cells and open ones, each as large as the side of a
-cell.  Staircases of such faces have the vector area of the smooth surface that they stand for, and
-so give its force.
+The surface of a wall consists of the faces between its cells and open ones, each as large as the
+side of a cell.  A staircase of such faces has the vector area of the smooth surface that it
+represents, and therefore the same force.
 """
 
 from __future__ import annotations
@@ -13,16 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from debrisflow.case import ResolvedCase, shapes
+from debrisflow.case import ResolvedCase, shapes, tables
 from debrisflow.case.shapes import plain_of
 from debrisflow.particles.hydrostatic_start import are_among
 from debrisflow.particles.record import Kind, Particles
+from debrisflow.particles.state import State
 from debrisflow.space.domain import domain, wall_names
 from debrisflow.space.floor import floor_level, height_over_floor, is_over_floor
 from debrisflow.space.gravity import gravity_vector
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]
+OF_STEP = "of the step before; at a start that at rest, or none in two dimensions"
 REACH = 1.5  # spacings from the surface within which particles press on it
 FULL_FROM = 0.75  # spacings; a single particle nearer than this presses fully
 LATTICE_TOLERANCE = 1.0e-3  # spacings
@@ -44,11 +46,11 @@ class Faces(NamedTuple):
 
 
 def wall_faces(case: ResolvedCase, particles: Particles, name: str) -> Faces:
-    """Return the faces of a wall or obstacle that open space, and so fluid, can touch.
+    """Return the faces of a wall or obstacle that the fluid can touch.
 
-    A cell of wall shows a face to every open cell beside it, a cell at an edge two or three.
+    A wall cell has a face toward every open cell beside it; a cell at an edge has two or three.
     Where the wall does not follow the lattice (a run-out), each particle of its first layer
-    stands for one face.
+    represents one face.
 
     Parameters
     ----------
@@ -95,11 +97,11 @@ def face_pressure(
 
         p_s = sum_i w_i max(p_i + rho_i g . (x_s - x_i), 0) / max(sum_i w_i, w_0)
 
-    with w = (1 - r / R)^2 and w_0 = w(0.75 d0).  The extrapolation is what a wall particle hands to
-    the fluid in the explicit scheme, and makes the pressure of still water exact on a lattice and
-    up to random displacements of 0.3 d0 (with w_0 = w(d0 / 2), the first row, 1 to 8 % are lost
-    there).  The floor of the sum lets a particle that approaches a dry wall press on it by degrees,
-    and not on faces far beside it.
+    with w = (1 - r / R)^2 and w_0 = w(0.75 d0).  The explicit scheme extrapolates in the same way
+    to its wall particles.  The pressure of still water is exact on a lattice and for random
+    displacements of up to 0.3 d0 (with w_0 = w(d0 / 2), the first row, it would be 1 to 8 % too low
+    there).  Because of the lower bound on the sum of weights, the pressure of a particle that
+    approaches a dry wall grows gradually, and does not act on faces far beside it.
 
     Parameters
     ----------
@@ -134,6 +136,17 @@ def face_pressure(
     return np.asarray(pressed / np.maximum(total, (1.0 - FULL_FROM / REACH) ** 2))
 
 
+def pressure_on(faces: Faces, case: ResolvedCase, state: State) -> Floats:
+    """Return the pressure on the faces of a wall in a state, (n,) array, Pa."""
+    p, rows = state.particles, state.particles.fluid
+    pressure = p.pressure[rows]
+    if isinstance(case.scheme, tables.ExplicitScheme):
+        # there walls return the pressure of colliding grains too; that of grains in contact is a
+        # part of the whole
+        pressure = pressure + p.collision_pressure[rows]
+    return face_pressure(faces, case, p.position[rows], pressure, p.density[rows])
+
+
 def force(faces: Faces, pressure: Floats, area: float, about: Floats) -> tuple[Floats, Floats]:
     """Return force and moment of the fluid on a wall, in two dimensions per meter of width.
 
@@ -164,8 +177,8 @@ def force(faces: Faces, pressure: Floats, area: float, about: Floats) -> tuple[F
 def patch_shares(faces: Faces, center: Floats, size: float, case: ResolvedCase) -> Floats:
     """Return how much of each face lies in a square patch of the surface, (n,) array, 0 to 1.
 
-    Of a face that is level with the center of the patch, within half a spacing along its normal,
-    the part of its square that the patch of the given size covers.
+    For a face that is level with the center of the patch, within half a spacing along its normal,
+    this is the part of its square that the patch covers; for others it is 0.
     """
     d0, axes = case.particles.spacing, case.dimension
     share = np.ones(len(faces.position))
@@ -217,7 +230,7 @@ def _in_space(case: ResolvedCase, position: Floats) -> NDArray[np.bool_]:
 
 
 def _near(surface: Floats, position: Floats, reach: float, period: Floats) -> Cells:
-    """Return the particles in the box around a surface, so that few enter the search."""
+    """Return the particles in the box around a surface, which keeps the search small."""
     if len(surface) == 0:
         return np.zeros(0, dtype=np.int64)
     lower = np.where(period > 0.0, -np.inf, surface.min(axis=0) - reach)
@@ -226,7 +239,7 @@ def _near(surface: Floats, position: Floats, reach: float, period: Floats) -> Ce
 
 
 def _tree(position: Floats, period: Floats) -> cKDTree:
-    """Return a search tree, which wants coordinates from 0 to below the period."""
+    """Return a search tree; it requires coordinates from 0 to below the period."""
     wrapped = np.where(
         period > 0.0, np.mod(position, np.where(period > 0.0, period, 1.0)), position
     )

@@ -1,0 +1,161 @@
+"""What the tables of all probes have, and the space in which their places are checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from math import hypot
+from typing import Any, NamedTuple, Self, TypeVar
+
+from debrisflow.case.bodies import BoxObstacle
+from debrisflow.case.fields import NONE, Table, quantity
+from debrisflow.case.words import ABSENT, did_you_mean, either
+
+SIZE = "side of the square, in two dimensions width of the strip, {}; 2 spacings if left out"
+SIZE_SPACINGS = 2  # of a size that is left out
+_Any = TypeVar("_Any")
+TOLERANCE = 1e-6  # spacings
+
+
+class Fault(NamedTuple):
+    """Something wrong with one field of a probe.
+
+    Attributes
+    ----------
+    field : str
+    message : str
+        What is wrong, without the field and its value.
+    value : object
+        The wrong value, or ``ABSENT``.
+    """
+
+    field: str
+    message: str
+    value: Any = ABSENT
+
+
+Faults = Iterator[Fault]
+
+
+class Space(NamedTuple):
+    """The space of a case, in which the places of its probes are checked.
+
+    Attributes
+    ----------
+    shape : str
+        Type of the geometry.
+    dimension : int
+    spacing : float, m
+    extents : dict of str to (float, float), m
+        Ends of the space by axis.
+    repeats_along_x : bool
+    planes : dict of str to (int, float) or None
+        Axis and level, m, of each wall by name; None for a wall of several levels.
+    obstacles : dict of str to obstacle
+    """
+
+    shape: str
+    dimension: int
+    spacing: float
+    extents: Mapping[str, tuple[float, float]]
+    repeats_along_x: bool
+    planes: Mapping[str, tuple[int, float] | None]
+    obstacles: Mapping[str, Table]
+
+    def coordinate_faults(self, axis: str, value: object) -> Faults:
+        """Yield a fault if a coordinate that only three dimensions have is missing or too many."""
+        if self.dimension == 3 and value is None:
+            yield Fault(axis, "missing: the place needs it in three dimensions")
+        elif self.dimension == 2 and value is not None:
+            yield Fault(axis, f"the place has no {axis} in two dimensions; leave it out", value)
+
+    def place_faults(self, **place: float | None) -> Faults:
+        """Yield a fault for each coordinate, by its axis, that is outside the space."""
+        slack = TOLERANCE * self.spacing
+        for axis, (lower, upper) in self.extents.items():
+            value = place.get(axis)
+            if value is not None and not lower - slack <= value <= upper + slack:
+                yield Fault(
+                    axis, f"outside the {self.shape}, {axis} = {_ends(lower, upper)}", value
+                )
+
+    def extent_faults(self, **box: tuple[float, float] | None) -> Faults:
+        """Yield a fault for each extent, by its axis, that is empty or wholly outside the space."""
+        for axis, (lower, upper) in self.extents.items():
+            extent = box.get(axis)
+            if extent is None:
+                continue
+            if extent[0] >= extent[1]:
+                yield Fault(axis, "the first number must be less than the second", extent)
+            elif extent[1] <= lower or extent[0] >= upper:
+                message = f"outside the {self.shape}, {axis} = {_ends(lower, upper)}"
+                yield Fault(axis, message, extent)
+
+    def wall_faults(self, wall: str) -> Faults:
+        """Yield a fault if there is no wall or obstacle of a name."""
+        known = (*self.planes, *self.obstacles)
+        if wall not in known:
+            message = f"there is no such wall, but {either(known)}" + did_you_mean(wall, known)
+            yield Fault("wall", message, wall)
+
+    def distance_to(self, wall: str, place: tuple[float, float, float]) -> float | None:
+        """Return the distance of a place to the surface of a wall, m.
+
+        None for a bed and a mesh, whose surface only the run finds.
+        """
+        plane, body = self.planes.get(wall), self.obstacles.get(wall)
+        if plane is not None:
+            return abs(place[plane[0]] - plane[1])
+        if isinstance(body, BoxObstacle):
+            return _distance_to_box(place, body)
+        return None
+
+
+def _ends(lower: float, upper: float) -> str:
+    return f"[{lower:g}, {upper:g}] m"
+
+
+def _distance_to_box(place: tuple[float, float, float], box: BoxObstacle) -> float:
+    """Return the distance of a point, outside or inside, to the surface of a box, m."""
+    gaps = [
+        max(low - at, at - high)
+        for at, (low, high) in zip(place, (box.x, box.y, box.z), strict=True)
+    ]
+    return hypot(*(max(gap, 0.0) for gap in gaps)) if max(gaps) > 0 else -max(gaps)
+
+
+class Probe(Table):
+    """What all probes have; a probe is a table like this, see :mod:`debrisflow.case.probes`."""
+
+    name: str = quantity(
+        NONE,
+        "name of the probe, and of its file probes/NAME.csv; small letters, digits and _",
+        pattern=r"^[a-z][a-z0-9_]*$",
+    )
+    interval: float = quantity(
+        "s", "sampling interval; a sample is taken at the end of the step in which it is due", gt=0
+    )
+    type: str
+
+    def faults(self, space: Space) -> Faults:
+        """Yield what is wrong with the probe in the space of its case."""
+        raise NotImplementedError
+
+    def complete(self, spacing: float) -> Self:
+        """Return the probe with the fields filled in that follow from the spacing, m."""
+        return self
+
+    def where(self) -> str:
+        """Return the place of the probe as in the case file: ``x = 0.5, size = 0.04``."""
+        fields = self.model_dump(exclude={"name", "interval", "type"}, exclude_none=True)
+        return ", ".join(f"{key} = {value}" for key, value in fields.items())
+
+
+def only_subclass(module: str, base: type[_Any]) -> type[_Any]:
+    """Return the only subclass of a class that a module defines, given by the module's name."""
+    [found] = (
+        item
+        for item in vars(import_module(module)).values()
+        if isinstance(item, type) and issubclass(item, base) and item.__module__ == module
+    )
+    return found

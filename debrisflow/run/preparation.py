@@ -1,0 +1,46 @@
+"""Compiles the kernels in advance, by short runs of the shipped cases."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from debrisflow._jit import COMPILATIONS
+from debrisflow.case import load_case
+from debrisflow.case.templates import templates
+from debrisflow.particles.state import initial_state
+from debrisflow.run.loop import SCHEMES
+
+STEPS = 2  # only the second step checks whether the neighbor lists are out of date
+# for choices that no shipped case makes
+VARIANTS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "flume2d": (
+        ("scheme.form='study'",),
+        ("collision_stress.granular_temperature='neighborhood'",),
+        ("collision_stress.granular_temperature='fluctuation'",),
+    )
+}
+
+
+def short_runs() -> dict[str, tuple[Path, tuple[str, ...]]]:
+    """Return the case files to run with the changes to them, by a name for each run."""
+    return {
+        " ".join((name, *changes)): (path, changes)
+        for name, path in templates().items()
+        for changes in ((), *VARIANTS.get(name, ()))
+    }
+
+
+def compile_kernels(path: Path, changes: tuple[str, ...]) -> float:
+    """Take two steps of a case, and return the wall time in which kernels were compiled, s.
+
+    Kernels that are in the cache already are only read.
+    """
+    before = COMPILATIONS.seconds
+    case = load_case(path, changes)
+    scheme, state = SCHEMES[case.scheme.type](case), initial_state(case)
+    scheme.fill_number_density(state)
+    for _ in range(STEPS):
+        dt = scheme.stable_dt(state)
+        scheme.step(state, dt)
+        state.time, state.step = state.time + dt, state.step + 1
+    return COMPILATIONS.seconds - before

@@ -1,0 +1,126 @@
+"""What the samplers of all probes share: columns, running sum and output file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import ResolvedCase
+from debrisflow.case.probe import Probe
+from debrisflow.particles.record import Particles
+from debrisflow.particles.state import State
+from debrisflow.run.tables import Series
+
+Floats = NDArray[np.float64]
+_TIME = "time: s; end of the step in which the sample was due"
+
+
+class Column(NamedTuple):
+    """One column of the file of a probe.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        Empty for a number without one.
+    meaning : str
+    reference : str
+        Addition to the unit: ``per meter of width``, ``above the wall below``.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    reference: str = ""
+
+    @property
+    def explanation(self) -> str:
+        """The text in the head of the file."""
+        unit = " ".join(filter(None, (self.unit, self.reference)))
+        return "; ".join(filter(None, (unit, self.meaning)))
+
+
+class Sampler:
+    """Base of the classes that take the samples of a probe.
+
+    A sampler reads the particles as they are after a step, in both schemes and in two and three
+    dimensions, and leaves them as they are.  Quantities of two dimensions are per meter of width.
+
+    Parameters
+    ----------
+    probe : Probe
+        The table of the probe in the case.
+    case : ResolvedCase
+    particles : Particles
+        At the start of the run or of its continuation.
+
+    Attributes
+    ----------
+    sum_shape : tuple of int or None
+        Shape of the running sum, a float64 array that starts at 0 and is kept in
+        ``state.sums[probe.name]``; None for a probe without one.
+    """
+
+    sum_shape: tuple[int, ...] | None = None
+
+    def __init__(self, probe: Probe, case: ResolvedCase, particles: Particles) -> None:
+        """Check the place of the probe; raise a CaseError if the run finds it wrong."""
+        raise NotImplementedError
+
+    @staticmethod
+    def columns(dimension: int) -> tuple[Column, ...]:
+        """Return the columns after the time, in two or three dimensions."""
+        raise NotImplementedError
+
+    def sample(self, state: State) -> tuple[float, ...]:
+        """Return the values of the columns."""
+        raise NotImplementedError
+
+    def add_step(self, state: State) -> None:
+        """Add the last step to the running sum."""
+
+
+def volume_unit(dimension: int) -> str:
+    """Return the unit of a volume: m2, per meter of width, in two dimensions."""
+    return f"m{dimension}"
+
+
+class ProbeWriter(Series):
+    """Writes ``probes/NAME.csv``; a file that is there already is continued.
+
+    Parameters
+    ----------
+    path : Path
+    probe : Probe
+    columns : sequence of Column
+        Those after the time.
+    """
+
+    def __init__(self, path: Path, probe: Probe, columns: Sequence[Column]) -> None:
+        head = [_title(path, f"{probe.type}, {probe.where()} (m)"), _TIME, *_meanings(columns)]
+        super().__init__(path, ("time", *(column.name for column in columns)), head)
+
+    def write(self, time: float, sample: Sequence[float]) -> None:
+        """Append a sample at a time, s."""
+        self.append([(time, *sample)])
+
+
+def is_probe_file(path: Path) -> bool:
+    """Return whether a file was written by a probe."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        return file.readline().startswith("# " + _title(path, ""))
+
+
+def _title(path: Path, rest: str) -> str:
+    return f"probe {path.stem}: {rest}"
+
+
+def _meanings(columns: Sequence[Column]) -> Iterator[str]:
+    """Yield a line for each group of columns that have the same meaning."""
+    for explanation, group in groupby(columns, lambda column: column.explanation):
+        yield f"{', '.join(column.name for column in group)}: {explanation}"

@@ -1,0 +1,100 @@
+"""The progress bar of a run, and its clock without the time in which kernels are compiled."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from types import TracebackType
+from typing import Self
+
+from tqdm import tqdm
+
+from debrisflow._jit import COMPILATIONS
+from debrisflow.case import ResolvedCase
+from debrisflow.particles.state import State
+
+SHORTEST_PAUSE = 0.5  # s between two redrawings
+BAR = "{percentage:3.0f}% |{bar:20}| {desc}"
+
+
+class Progress:
+    """Shows a run while it is open, and counts its seconds, steps and particles.
+
+    While kernels are compiled, which happens once for each version of the package, the bar says
+    so.  That time is in neither the time left nor the rates.
+
+    Parameters
+    ----------
+    case : ResolvedCase
+    state : State
+        At the start of the run or of its continuation.
+
+    Attributes
+    ----------
+    particle_steps : int
+        Sum of the fluid particles over the steps.
+    steps : int
+        Steps of this run, without those before it was continued.
+    """
+
+    def __init__(self, case: ResolvedCase, state: State) -> None:
+        self.particle_steps = self.steps = 0
+        self._relaxation = case.time.relaxation
+        self._start, self._compiled = perf_counter(), COMPILATIONS.seconds
+        self._drawn = self._start
+        self._seen = self._compiled
+        self._bar = tqdm(
+            total=case.time.end + self._relaxation,
+            initial=state.time + self._relaxation,
+            bar_format=BAR,
+            mininterval=SHORTEST_PAUSE,
+        )
+
+    @property
+    def compile_seconds(self) -> float:
+        """Wall time in which kernels were compiled, s."""
+        return COMPILATIONS.seconds - self._compiled
+
+    @property
+    def seconds(self) -> float:
+        """Wall time without that in which kernels were compiled, s."""
+        return perf_counter() - self._start - self.compile_seconds
+
+    def count(self, state: State) -> None:
+        """Count the step that led to a state, and show the state."""
+        self.steps += 1
+        self.particle_steps += state.particles.fluid_count
+        if COMPILATIONS.seconds > self._seen:
+            self._seen = COMPILATIONS.seconds
+            self._bar.unpause()  # or the time left would be that of more compiling
+        self._bar.bar_format = BAR + ", {remaining} left"
+        self._bar.set_description_str(
+            f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, "
+            f"{state.particles.fluid_count} particles, "
+            f"{self.particle_steps / self.seconds:.2g} particle-steps/s",
+            refresh=False,
+        )
+        self._bar.update(state.time + self._relaxation - self._bar.n)
+
+    def _show_compiling(self, seconds: float) -> None:
+        now = perf_counter()
+        if now - self._drawn >= SHORTEST_PAUSE:
+            self._drawn = now
+            self._bar.bar_format = BAR
+            self._bar.set_description_str(
+                f"compiling kernels, once, about a minute: {seconds - self._compiled:.0f} s so far"
+            )
+
+    def __enter__(self) -> Self:
+        """Return the progress itself."""
+        COMPILATIONS.watcher = self._show_compiling
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Leave the bar as it is."""
+        COMPILATIONS.watcher = None
+        self._bar.close()

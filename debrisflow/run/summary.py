@@ -1,0 +1,69 @@
+"""The summary of a run at its end."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import version
+from typing import Any
+
+from debrisflow._jit import THREADING_LAYER
+from debrisflow.case import ResolvedCase
+from debrisflow.particles.state import PHASES, State
+from debrisflow.run.measures import particle_volume
+from debrisflow.run.progress import Progress
+
+
+def summary(
+    case: ResolvedCase,
+    state: State,
+    reason: str,
+    threads: int,
+    progress: Progress,
+    phases: dict[str, float],
+) -> dict[str, Any]:
+    """Return the contents of ``summary.json``.
+
+    ``wall_seconds`` excludes the time in which kernels were compiled, ``compile_seconds``.
+
+    Parameters
+    ----------
+    case : ResolvedCase
+    state : State
+        At the end.
+    reason : str
+        Why the run ended.
+    threads : int
+    progress : Progress
+    phases : dict
+        Wall time by phase of the step, s.
+    """
+    seconds = progress.seconds
+    ways = {
+        "entered": (state.entered, state.entered_sediment),
+        "left": (state.left, state.left_sediment),
+        "through_wall": (state.through_wall, state.through_wall_sediment),
+    }
+    volume = particle_volume(case)
+    return {
+        "title": case.title,
+        "end_reason": reason,
+        "time": state.time,
+        "steps": state.step,
+        "wall_seconds": seconds,
+        "compile_seconds": progress.compile_seconds,
+        "wall_seconds_by_phase": phases,
+        "particle_steps_per_second": progress.particle_steps / seconds,
+        "seconds_per_step": seconds / max(1, progress.steps),
+        "threads": threads,
+        "threading_layer": THREADING_LAYER,
+        "particles": state.particles.count,
+        **{
+            way: dict(zip(PHASES, number.tolist(), strict=True))
+            for way, (number, _) in ways.items()
+        },
+        "sediment_volume": {
+            way: float(sediment.sum()) * volume for way, (_, sediment) in ways.items()
+        },
+        "versions": {"python": platform.python_version()}
+        | {name: version(name) for name in ("debrisflow", "numpy", "numba", "scipy")},
+    }
