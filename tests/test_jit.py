@@ -124,6 +124,18 @@ def test_records_that_kernels_take_are_defined_among_the_sources():
     assert {file_of(module) for module in modules} <= set(kernel_sources())
 
 
+def test_no_kernel_is_compiled_for_signed_and_unsigned_indices():
+    advance(*started(bed_case()), steps=1)
+    kernels = [item for item in gc.get_objects() if isinstance(item, Dispatcher)]
+    twice = [
+        kernel.py_func.__qualname__
+        for kernel in kernels
+        if kernel.py_func.__module__.startswith("debrisflow")
+        and {numba.types.int64, numba.types.uint64} <= {s[0] for s in kernel.signatures if s}
+    ]
+    assert twice == []
+
+
 def run(script: str, tmp_path: Path) -> tuple[str, Path]:
     """Return what a fresh process tells of one kernel: whether it was compiled, and where it is."""
     spare = tmp_path / "spare"

@@ -147,7 +147,7 @@ def list_at(itself, here, cell, cells, reach2, listed):
     ``cell`` is the cell of here.  The point ``itself`` is left out.  A number greater than the
     length less one says that the list overflowed.
     """
-    count = 0
+    count = np.int64(0)  # a literal would compile append_near once more
     near = np.empty(PIECE, dtype=np.int8)
     shape, periodic, reach = cells.shape, cells.periodic, cells.reach
     cy = cell % shape[1]
@@ -188,7 +188,7 @@ def _list(among, position, cell, row, cells, reach2, index, count):
         count[i] = 0
         if row[i] >= 0:
             here = (position[i, 0], position[i, 1], position[i, 2])
-            itself = i if among else -1
+            itself = np.int64(i) if among else -1  # unsigned and -1 would make a float
             count[i] = list_at(itself, here, cell[i], cells, reach2, index[row[i]])
 
 

@@ -116,5 +116,5 @@ def is_inside_wall_at(i, near, solid):
 @loop
 def find_inside_walls(near, solid, inside):
     """Write which fluid particles went into a wall, (n,) bool array."""
-    for i in prange(inside.size):
+    for i in prange(np.uint64(inside.size)):
         inside[i] = is_inside_wall_at(i, near, solid)

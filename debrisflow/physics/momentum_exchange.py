@@ -86,7 +86,7 @@ def resist(pressure, weight, spacing, law, flow):
 
     ``pressure``, Pa, is that between grains, ``weight``, N/m3, what they carry.
     """
-    for i in prange(pressure.size):
+    for i in prange(np.uint64(pressure.size)):
         deeper = pressure[i] + spacing * weight[i]
         resist_at(i, pressure[i], deeper, spacing, law, flow)
 

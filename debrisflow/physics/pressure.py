@@ -336,5 +336,5 @@ def correct(dt, pressure, density, with_walls, near, solid, velocity):
 @loop
 def least_pressure(pressure, near, solid, least):
     """Write the least pressure among each unknown and its neighbors, (m,) float64 array, Pa."""
-    for i in prange(least.size):
+    for i in prange(np.uint64(least.size)):
         least[i] = least_neighbor_value_at(i, pressure, near, solid)

@@ -82,7 +82,7 @@ def surroundings_at(i, fraction, near):
 @loop
 def survey_surroundings(fraction, smoothed, near, share, weights, c):
     """Write the arrays of :class:`Surroundings` from phases and smoothed concentration."""
-    for i in prange(share.size):
+    for i in prange(np.uint64(share.size)):
         share[i], weights[i], own = surroundings_at(i, fraction, near)
         own = min(own, 0.5)
         c[i] = min(max((smoothed[i] - own * fraction[i]) / (1.0 - own), 0.0), 1.0)
@@ -91,7 +91,7 @@ def survey_surroundings(fraction, smoothed, near, share, weights, c):
 @loop
 def pressure_gradient(pressure, near, solid, gradient):
     """Write the sum-form gradient of the pressure, (n, 3) float64 array, Pa/m."""
-    for i in prange(gradient.shape[0]):
+    for i in prange(np.uint64(gradient.shape[0])):
         gradient[i, 0], gradient[i, 1], gradient[i, 2] = gradient_at(i, pressure, True, near, solid)
 
 
@@ -163,7 +163,7 @@ def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, ne
     Where the grains touch or are held, K is divided by what freedom they have.
     """
     everywhere = np.ones(c.size)
-    for i in prange(c.size):
+    for i in prange(np.uint64(c.size)):
         drive = drive_at(i, gradient, everywhere, thrown, fraction, rock, water, near)
         speed = np.sqrt(u_r[i, 0] ** 2 + u_r[i, 1] ** 2 + u_r[i, 2] ** 2)
         resistance = drag_coefficient(c[i], speed, drag) / (
@@ -199,7 +199,7 @@ def drag_at(i, force, fraction, weights, near):
 @loop
 def drag_phases(dt, force, density, fraction, weights, near, velocity):
     """Add ``dt / rho`` times the drag to the velocity of the fluid particles."""
-    for i in prange(weights.size):
+    for i in prange(np.uint64(weights.size)):
         x, y, z = drag_at(i, force, fraction, weights, near)
         velocity[i, 0] += dt * x / density[i]
         velocity[i, 1] += dt * y / density[i]
