@@ -1,0 +1,352 @@
+"""Write the generated parts of the documentation, or check that they are up to date.
+
+python scripts/docs.py [--check]
+
+Generated are the tables of ``docs/case_file.md``, from the schema of a case, and the pages in
+``docs/cases``, from the shipped case files: the comment at the head of each, its values and its
+picture.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tomllib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+
+from debrisflow.case import case_schema
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+CASES = ROOT / "cases"
+BEGIN, END = "<!-- generated:begin -->\n", "<!-- generated:end -->\n"
+BY_HAND = "<!-- written by scripts/docs.py from cases/{}.toml; do not edit -->"
+# what the comment at the head of a case says, by the words with which it begins
+TOPICS = {
+    "Source": "Source",
+    "Not in the study, chosen here": "Chosen, since the study does not state it",
+    "Chosen": "Chosen",
+    "Calibrated": "Calibrated",
+    "Expect": "What to expect",
+    "Takes": "Time it takes",
+}
+NOT_PARAMETERS = ("title", "time", "output", "probe")
+SCALARS = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false"}
+CAPTIONS = {
+    "bed_erosion2d": "Water (blue) erodes a bed of sediment (red) and water.",
+    "check_dam3d": "The flow meets the dam and passes over its crest; colors show the speed.",
+    "column_collapse2d": "Without (left) and with collision stress (right).",
+    "dam_break2d": "The column collapses, and its front climbs the far wall.",
+    "dam_break3d": "The cube spreads from its corner; colors show the speed.",
+    "flume2d": "Water (blue) erodes a bed of sediment (red) and water; heights are stretched.",
+    "flume3d": "The water reaches the bed and moves its surface; colors show the speed.",
+    "flume_deposit2d": "The flow deposits its sediment (red) behind the bend.",
+    "heap3d": "Outlines of heaps, at rest in green; the front by Lube et al. dashed.",
+    "hydrostatic2d": "The water stays at rest; colors show the pressure.",
+    "hydrostatic_two_phase2d": "The heavy layer (red) stays below the water; colors show the kind.",
+    "marin3d": "Levels in the tank, and pressures on the face of the box upward from the floor.",
+    "poiseuille2d": "The flow starts from rest; colors show the speed.",
+    "runout3d": "Plan of three flows at 4 s: with collision stress, and without it with "
+    "viscosities of 1e-3 and 1e-6 m²/s.",
+    "settling2d": "The grains (red) leave clear water above and pack at the floor.",
+    "still_tank3d": "The water stays at rest; colors show the pressure.",
+}
+
+
+class Field(NamedTuple):
+    """A row of the tables of the case file."""
+
+    name: str
+    type: str
+    unit: str
+    default: str
+    limits: str
+    meaning: str
+
+
+def pages() -> dict[Path, str]:
+    """Return the text of every page that is generated or has a generated part, by its path."""
+    schema = json.loads(case_schema())
+    written = {DOCS / "case_file.md": case_page(schema)}
+    cases = {path.stem: path for path in sorted(CASES.glob("*.toml"))}
+    for name, path in cases.items():
+        written[DOCS / "cases" / f"{name}.md"] = page_of_case(name, path.read_text(), schema)
+    written[DOCS / "cases" / "index.md"] = index_of_cases(cases)
+    return written
+
+
+def case_page(schema: dict[str, Any]) -> str:
+    """Return the page of the case file with its tables renewed."""
+    text = (DOCS / "case_file.md").read_text()
+    before, rest = text.split(BEGIN)
+    after = rest.split(END)[1]
+    return before + BEGIN + "\n" + "\n".join(sections(schema)) + "\n" + END + after
+
+
+def sections(schema: dict[str, Any]) -> Iterator[str]:
+    """Yield the lines of a section for each entry of a case file, in its order."""
+    tables = {name: prop for name, prop in schema["properties"].items() if branches(prop, schema)}
+    plain = {name: prop for name, prop in schema["properties"].items() if name not in tables}
+    yield "## Top level\n"
+    yield from table(plain, schema, schema["required"])
+    for name, prop in tables.items():
+        yield f"\n## {name}\n"
+        opening = f"`[[{name}]]`, any number of times" if is_list(prop) else f"`[{name}]`"
+        if name in schema["required"]:
+            opening += ", required"
+        yield f"{opening}. {sentence(prop.get('description', ''))}".rstrip()
+        for part in branches(prop, schema):
+            yield from section(name, part, schema)
+
+
+def section(name: str, part: dict[str, Any], schema: dict[str, Any]) -> Iterator[str]:
+    """Yield the lines on one kind of a table: what it is, its fields, the tables in it."""
+    kind = part["properties"].get("type", {}).get("const")
+    if kind:
+        yield f'\n### {name}, type = "{kind}"'
+    description = part.get("description", "").split("\n\nReferences")[0]
+    yield "\n" + sentence(" ".join(description.split())) + "\n"
+    rows = {key: prop for key, prop in part["properties"].items() if not only_tables(prop)}
+    if rows:
+        yield from table(rows, schema, part.get("required", []))
+    inner: dict[str, list[str]] = {}
+    for key, prop in part["properties"].items():
+        for branch in branches(prop, schema):
+            inner.setdefault(branch["title"], []).append(key)
+    for title, keys in inner.items():
+        branch = schema["$defs"][title]
+        names = ", ".join(f"`[{name}.{key}]`" for key in keys)
+        yield f"\n{names}: {sentence(' '.join(branch['description'].split()))}\n"
+        if len(keys) > 1:
+            for key in keys:
+                yield f"- `{key}`: {part['properties'][key].get('description', '')}"
+            yield ""
+        yield from table(branch["properties"], schema, branch.get("required", []))
+
+
+def table(
+    properties: dict[str, Any], schema: dict[str, Any], required: Sequence[str]
+) -> Iterator[str]:
+    """Yield the lines of a table of fields."""
+    yield "| field | type | unit | default | limits | meaning |"
+    yield "|---|---|---|---|---|---|"
+    for name, prop in properties.items():
+        row = field(name, prop, name in required, schema)
+        yield "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |"
+
+
+def field(name: str, prop: dict[str, Any], is_required: bool, schema: dict[str, Any]) -> Field:
+    """Return the row of a field."""
+    if "default" in prop and prop["default"] is not None:
+        default = f"`{json.dumps(prop['default'])}`"
+    else:
+        default = "required" if is_required else "optional"
+    unit = prop.get("unit", "-")
+    meaning = prop.get("description", "").removesuffix(f" [{unit}]")
+    if "const" in prop:
+        meaning = "chooses this table"
+    return Field(
+        f"`{name}`",
+        type_of(prop, schema),
+        "" if unit == "-" else unit,
+        default,
+        limits(prop),
+        meaning,
+    )
+
+
+def type_of(prop: dict[str, Any], schema: dict[str, Any]) -> str:
+    """Return what a value may be, in words."""
+    if "const" in prop:
+        return f'`"{prop["const"]}"`'
+    if "enum" in prop:
+        return ", ".join(f'`"{value}"`' for value in prop["enum"])
+    options = prop.get("anyOf")
+    if options:
+        return " or ".join(type_of(option, schema) for option in options)
+    if "$ref" in prop:
+        return "table"
+    if prop.get("type") == "array":
+        least, most = prop.get("minItems", 0), prop.get("maxItems")
+        if most is None:
+            return "list of numbers"
+        return f"{most} numbers" if least == most else f"{least} or {most} numbers"
+    return SCALARS[prop["type"]]
+
+
+def limits(prop: dict[str, Any]) -> str:
+    """Return the limits of a number."""
+    signs = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
+    return ", ".join(f"{sign} {prop[key]:g}" for key, sign in signs.items() if key in prop)
+
+
+def branches(prop: dict[str, Any], schema: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the tables that an entry may be, or be a list of; none if it is a value."""
+    options = prop.get("oneOf") or prop.get("anyOf")
+    if options:
+        return [found for option in options for found in branches(option, schema)]
+    if "$ref" in prop:
+        found: dict[str, Any] = schema["$defs"][prop["$ref"].rpartition("/")[2]]
+        return [found]
+    return branches(prop["items"], schema) if isinstance(prop.get("items"), dict) else []
+
+
+def is_list(prop: dict[str, Any]) -> bool:
+    """Return whether an entry is a list of tables."""
+    return prop.get("type") == "array"
+
+
+def only_tables(prop: dict[str, Any]) -> bool:
+    """Return whether an entry is a table and cannot be a value."""
+    return "$ref" in prop
+
+
+def sentence(text: str) -> str:
+    """Return a text that begins with a capital and ends with a period, or nothing."""
+    text = text.strip()
+    if not text:
+        return ""
+    return text[0].upper() + text[1:] + ("" if text.endswith((".", ":")) else ".")
+
+
+def head_of(text: str) -> tuple[str, dict[str, str]]:
+    """Return the first sentences of the comment at the head of a case, and the rest by topic."""
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        if not line.startswith("#:schema"):
+            lines.append(line.removeprefix("#").strip())
+    words = "|".join(sorted(TOPICS, key=len, reverse=True))
+    parts = re.split(rf"(?:^|(?<=[.)]) )({words}): ", " ".join(" ".join(lines).split()))
+    return parts[0].strip(), dict(zip(parts[1::2], map(str.strip, parts[2::2]), strict=True))
+
+
+def page_of_case(name: str, text: str, schema: dict[str, Any]) -> str:
+    """Return the page of a shipped case."""
+    about, topics = head_of(text)
+    picture = picture_of(name)
+    lines = [
+        BY_HAND.format(name),
+        "",
+        f"# {name}",
+        "",
+        about,
+        "",
+        f"![{CAPTIONS[name]}]({picture})",
+        "",
+        f"*{CAPTIONS[name]}*",
+        "",
+    ]
+    for topic, title in TOPICS.items():
+        if topic in topics:
+            lines += [f"**{title}.** {sentence(topics[topic])}", ""]
+    lines += [
+        f"Run it with `debrisflow run cases/{name}.toml`, or start from it with",
+        f"`debrisflow init my_case.toml --template {name}`.",
+        "",
+        "## Parameters",
+        "",
+        "All other fields have their [defaults](../case_file.md).",
+        "",
+        "| field | value | unit | meaning |",
+        "|---|---|---|---|",
+        *rows_of_case(tomllib.loads(text), schema),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def picture_of(name: str) -> str:
+    """Return the address of the picture of a case, from its page."""
+    return f"../{name}.png" if (DOCS / f"{name}.png").is_file() else f"{name}.png"
+
+
+def rows_of_case(case: dict[str, Any], schema: dict[str, Any]) -> Iterator[str]:
+    """Yield the rows of the table of values that a case file gives."""
+    for key, value, prop in values(case, schema["properties"], schema):
+        if key.split(".")[0] in NOT_PARAMETERS and key != "time.end":
+            continue
+        unit = prop.get("unit", "-")
+        meaning = meaning_of(value, prop)
+        told = json.dumps(value, ensure_ascii=False)
+        cells = (f"`{key}`", f"`{told}`", "" if unit == "-" else unit, meaning)
+        yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def meaning_of(value: Any, prop: dict[str, Any]) -> str:
+    """Return what a value means; of a choice only the part on the one that is chosen."""
+    meaning: str = prop.get("description", "").removesuffix(f" [{prop.get('unit')}]")
+    if "enum" not in prop:
+        return meaning
+    chosen = re.search(rf"(?:^|; ){re.escape(value)}: ([^;]*)", meaning)
+    return chosen[1] if chosen else meaning
+
+
+def values(
+    given: dict[str, Any], properties: dict[str, Any], schema: dict[str, Any], before: str = ""
+) -> Iterator[tuple[str, Any, dict[str, Any]]]:
+    """Yield key, value and schema of all that is given in a table and in the tables in it."""
+    for name, value in given.items():
+        prop = properties[name]
+        parts = value if isinstance(value, list) else [value]
+        if not all(isinstance(part, dict) for part in parts):
+            yield before + name, value, prop
+            continue
+        for number, part in enumerate(parts):
+            kinds = branches(prop, schema)
+            fits = [kind for kind in kinds if is_of_kind(part, kind)] or kinds
+            where = f"{before}{name}.{number}." if isinstance(value, list) else f"{before}{name}."
+            yield from values(part, fits[0]["properties"], schema, where)
+
+
+def is_of_kind(part: dict[str, Any], kind: dict[str, Any]) -> bool:
+    """Return whether a table given in a case is one of a kind, by its type and its keys."""
+    own = kind["properties"].get("type", {})
+    named = part.get("type", own.get("default"))
+    return named == own.get("const", own.get("default")) and set(part) <= set(kind["properties"])
+
+
+def index_of_cases(cases: dict[str, Path]) -> str:
+    """Return the page that lists the cases."""
+    lines = [
+        "<!-- written by scripts/docs.py; do not edit -->",
+        "",
+        "# Cases",
+        "",
+        "The shipped cases. `debrisflow init my_case.toml --template NAME` copies one of them.",
+        "",
+        "| case | what it computes | time it takes |",
+        "|---|---|---|",
+    ]
+    for name, path in cases.items():
+        about, topics = head_of(path.read_text())
+        lines.append(f"| [{name}]({name}.md) | {about} | {sentence(topics['Takes'])} |")
+    return "\n".join([*lines, ""])
+
+
+@click.command()
+@click.option("--check", is_flag=True, help="Write nothing; fail if a page is out of date.")
+def main(check: bool) -> None:
+    """Write the generated parts of the documentation."""
+    written = pages()
+    stale = [
+        path for path, text in written.items() if not path.exists() or path.read_text() != text
+    ]
+    if check and stale:
+        names = ", ".join(str(path.relative_to(ROOT)) for path in stale)
+        click.echo(f"out of date: {names}; run: python scripts/docs.py", err=True)
+        sys.exit(1)
+    for path in stale:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(written[path])
+        click.echo(f"wrote {path.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main()

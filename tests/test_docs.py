@@ -1,0 +1,216 @@
+"""Documentation: its commands and programs run, its cases are valid, its links lead somewhere.
+
+An HTML comment before a block says how it is run here:
+
+- ``<!-- test: time.end=1 -->`` gives the block's cases these values (``--set``), so that they end
+  soon.  Times in the options of later commands are scaled to the shorter run.
+- ``<!-- test: tables of check_dam3d -->`` checks tables in a shipped case, in place of its own.
+
+The blocks of a page run one after the other in a folder of their own, which holds a copy of
+``cases``.
+"""
+
+import re
+import runpy
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from click.testing import CliRunner
+
+import debrisflow
+from debrisflow.case import load_case
+from debrisflow.cli import main
+
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+PAGES = [
+    *(ROOT / name for name in ("README.md", "README.ja.md", "CONTRIBUTING.md", "CHANGELOG.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
+]
+BLOCK = re.compile(r"(?:<!-- test: ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$", re.M | re.S)
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+INSTALL = "python3 -m venv .venv && .venv/bin/pip install "
+OPEN = "python3 -m webbrowser "
+PROMPT = "source .venv/bin/activate"
+TIMES = ("--times", "--window")
+
+
+class Block(NamedTuple):
+    """A fenced block, its language and the comment before it."""
+
+    note: str
+    language: str
+    text: str
+
+
+@cache
+def blocks(page: Path) -> list[Block]:
+    return [Block(*found) for found in BLOCK.findall(page.read_text(encoding="utf-8"))]
+
+
+def pages_with(*languages: str) -> list:
+    found = [p for p in PAGES if any(b.language in languages for b in blocks(p))]
+    return [pytest.param(p, id=str(p.relative_to(ROOT))) for p in found]
+
+
+class Reader:
+    """Does what a page says, in the current folder."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.monkeypatch = monkeypatch
+        self.names: dict = {}
+
+    def follow(self, block: Block) -> None:
+        overrides = block.note.split()
+        if block.language == "python":
+            self.run_python(block.text, overrides)
+        elif block.language == "bash":
+            for line in block.text.splitlines():
+                self.run_line(line, overrides)
+
+    def run_line(self, line: str, overrides: list[str]) -> None:
+        if line == PROMPT:
+            return
+        if line.startswith(INSTALL):
+            assert (ROOT / "pyproject.toml").is_file()
+            line = line.rpartition(" && .venv/bin/")[2]
+            if line.startswith("python -m pytest"):
+                return
+        if line.startswith(OPEN):
+            assert Path(line.removeprefix(OPEN)).is_file()
+            return
+        program, *arguments = shlex.split(line)
+        assert program == "debrisflow", f"no test knows how to run: {line}"
+        if arguments[0] == "run":
+            case = load_case(arguments[1])
+            given = load_case(arguments[1], overrides)
+            self.scale = given.time.end / case.time.end
+            arguments += [part for value in overrides for part in ("--set", value)]
+        done = CliRunner().invoke(main, [self.scaled(a, b) for a, b in pairs(arguments)])
+        assert done.exit_code == 0, f"{line}\n{done.output}"
+
+    def scaled(self, before: str, argument: str) -> str:
+        if before not in TIMES:
+            return argument
+        return ",".join(f"{self.scale * float(part):g}" for part in argument.split(","))
+
+    def run_python(self, text: str, overrides: list[str]) -> None:
+        def shortened(path, given=()):
+            return load_case(path, [*given, *overrides])
+
+        self.monkeypatch.setattr(debrisflow, "load_case", shortened, raising=False)
+        exec(compile(text, "block", "exec"), self.names)
+
+
+def pairs(arguments: list[str]) -> list[tuple[str, str]]:
+    return list(zip(["", *arguments], arguments, strict=False))
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    shutil.copytree(ROOT / "cases", tmp_path / "cases")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", pages_with("bash", "python"))
+def test_commands_and_programs_run(page, folder, monkeypatch):
+    reader = Reader(monkeypatch)
+    for block in blocks(page):
+        reader.follow(block)
+
+
+@pytest.mark.parametrize("page", pages_with("toml"))
+def test_cases_are_valid(page, folder):
+    for block in blocks(page):
+        if block.language != "toml":
+            continue
+        given = tomllib.loads(block.text)
+        if "title" not in given:
+            base = folder / "cases" / f"{block.note.removeprefix('tables of ')}.toml"
+            given = tomllib.loads(base.read_text(encoding="utf-8")) | given
+        load_case(write_case(folder / "block.toml", given))
+
+
+def write_case(path: Path, given: dict) -> Path:
+    import tomli_w
+
+    path.write_text(tomli_w.dumps(given), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_blocks_say_what_they_are(page):
+    known = {"bash", "python", "toml", "text", "bibtex"}
+    assert {block.language for block in blocks(page)} <= known
+    assert page.read_text(encoding="utf-8").count("```") % 2 == 0
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page):
+    for address in LINK.findall(page.read_text(encoding="utf-8")):
+        if address.startswith(("https://", "http://")):
+            continue
+        file, _, anchor = address.partition("#")
+        target = (page.parent / file).resolve() if file else page
+        assert target.exists(), address
+        if anchor:
+            assert anchor in anchors(target), address
+
+
+@cache
+def anchors(page: Path) -> set[str]:
+    """Return the anchors of the headings of a page, as GitHub and MkDocs make them."""
+    titles = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w\- ]", "", title).strip().lower().replace(" ", "-") for title in titles}
+
+
+def test_readme_has_two_screens():
+    assert len(README.read_text(encoding="utf-8").splitlines()) <= 150
+
+
+def test_readme_has_the_line_that_installs_and_tests():
+    lines = README.read_text(encoding="utf-8").splitlines()
+    found = [line for line in lines if re.fullmatch(r"python3 -m venv .* pytest.*", line)]
+
+    assert found == [
+        INSTALL + "-e '.[test]' && "
+        '.venv/bin/python -m pytest -m "not validation" -n 2 --dist loadfile'
+    ]
+    assert "s/^\\(python3 -m venv .* pytest.*\\)$/\\1/p" in (ROOT / ".ci/run").read_text()
+
+
+def test_every_case_has_a_page_and_the_site_lists_every_page():
+    site = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    pages = {str(p.relative_to(ROOT / "docs")) for p in (ROOT / "docs").rglob("*.md")}
+
+    assert {f"cases/{path.stem}.md" for path in (ROOT / "cases").glob("*.toml")} <= pages
+    assert {page for page in pages if f"{page}\n" not in site} == set()
+
+
+def test_generated_pages_are_up_to_date():
+    pages = runpy.run_path(str(ROOT / "scripts/docs.py"))["pages"]()
+
+    stale = [path.name for path, text in pages.items() if path.read_text("utf-8") != text]
+    assert stale == [], "run: python scripts/docs.py"
+
+
+def test_the_version_is_one():
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+
+    assert f"version: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    assert f"## [{version}]" in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_spelling():
+    program = Path(sys.executable).parent / "codespell"
+    done = subprocess.run([program], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
