@@ -97,8 +97,8 @@ def sections(schema: dict[str, Any]) -> Iterator[str]:
     for name, prop in tables.items():
         yield f"\n## {name}\n"
         opening = f"`[[{name}]]`, any number of times" if is_list(prop) else f"`[{name}]`"
-        if name in schema["required"]:
-            opening += ", required"
+        if not is_list(prop):
+            opening += ", required" if name in schema["required"] else ", optional"
         yield f"{opening}. {sentence(prop.get('description', ''))}".rstrip()
         for part in branches(prop, schema):
             yield from section(name, part, schema)
