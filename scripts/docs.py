@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 CASES = ROOT / "cases"
 BEGIN, END = "<!-- generated:begin -->\n", "<!-- generated:end -->\n"
-BY_HAND = "<!-- written by scripts/docs.py from cases/{}.toml; do not edit -->"
+NOT_BY_HAND = "<!-- written by scripts/docs.py from cases/{}.toml; do not edit -->"
 # what the comment at the head of a case says, by the words with which it begins
 TOPICS = {
     "Source": "Source",
@@ -232,9 +232,9 @@ def page_of_case(name: str, text: str, schema: dict[str, Any]) -> str:
     about, topics = head_of(text)
     picture = picture_of(name)
     lines = [
-        BY_HAND.format(name),
-        "",
         f"# {name}",
+        "",
+        NOT_BY_HAND.format(name),
         "",
         about,
         "",
@@ -315,9 +315,9 @@ def is_of_kind(part: dict[str, Any], kind: dict[str, Any]) -> bool:
 def index_of_cases(cases: dict[str, Path]) -> str:
     """Return the page that lists the cases."""
     lines = [
-        "<!-- written by scripts/docs.py; do not edit -->",
-        "",
         "# Cases",
+        "",
+        "<!-- written by scripts/docs.py; do not edit -->",
         "",
         "The shipped cases. `debrisflow init my_case.toml --template NAME` copies one of them.",
         "",
