@@ -182,7 +182,7 @@ def type_of(prop: dict[str, Any], schema: dict[str, Any]) -> str:
 def limits(prop: dict[str, Any]) -> str:
     """Return the limits of a number."""
     signs = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
-    return ", ".join(f"{sign} {prop[key]:g}" for key, sign in signs.items() if key in prop)
+    return ", ".join(f"{sign}&nbsp;{prop[key]:g}" for key, sign in signs.items() if key in prop)
 
 
 def branches(prop: dict[str, Any], schema: dict[str, Any]) -> list[dict[str, Any]]:
