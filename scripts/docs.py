@@ -75,14 +75,16 @@ def pages() -> dict[Path, str]:
     written = {DOCS / "case_file.md": case_page(schema)}
     cases = {path.stem: path for path in sorted(CASES.glob("*.toml"))}
     for name, path in cases.items():
-        written[DOCS / "cases" / f"{name}.md"] = page_of_case(name, path.read_text(), schema)
+        written[DOCS / "cases" / f"{name}.md"] = page_of_case(
+            name, path.read_text(encoding="utf-8"), schema
+        )
     written[DOCS / "cases" / "index.md"] = index_of_cases(cases)
     return written
 
 
 def case_page(schema: dict[str, Any]) -> str:
     """Return the page of the case file with its tables renewed."""
-    text = (DOCS / "case_file.md").read_text()
+    text = (DOCS / "case_file.md").read_text(encoding="utf-8")
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
     return before + BEGIN + "\n" + "\n".join(sections(schema)) + "\n" + END + after
@@ -166,9 +168,9 @@ def type_of(prop: dict[str, Any], schema: dict[str, Any]) -> str:
         return f'`"{prop["const"]}"`'
     if "enum" in prop:
         return ", ".join(f'`"{value}"`' for value in prop["enum"])
-    options = prop.get("anyOf")
+    options = prop.get("anyOf") or prop.get("oneOf")
     if options:
-        return " or ".join(type_of(option, schema) for option in options)
+        return " or ".join(dict.fromkeys(type_of(option, schema) for option in options))
     if "$ref" in prop:
         return "table"
     if prop.get("type") == "array":
@@ -328,7 +330,7 @@ def index_of_cases(cases: dict[str, Path]) -> str:
         "|---|---|---|",
     ]
     for name, path in cases.items():
-        about, topics = head_of(path.read_text())
+        about, topics = head_of(path.read_text(encoding="utf-8"))
         lines.append(f"| [{name}]({name}.md) | {about} | {sentence(topics['Takes'])} |")
     return "\n".join([*lines, ""])
 
@@ -339,7 +341,9 @@ def main(check: bool) -> None:
     """Write the generated parts of the documentation."""
     written = pages()
     stale = [
-        path for path, text in written.items() if not path.exists() or path.read_text() != text
+        path
+        for path, text in written.items()
+        if not path.exists() or path.read_text(encoding="utf-8") != text
     ]
     if check and stale:
         names = ", ".join(str(path.relative_to(ROOT)) for path in stale)
@@ -347,7 +351,7 @@ def main(check: bool) -> None:
         sys.exit(1)
     for path in stale:
         path.parent.mkdir(exist_ok=True)
-        path.write_text(written[path])
+        path.write_text(written[path], encoding="utf-8")
         click.echo(f"wrote {path.relative_to(ROOT)}")
 
 
