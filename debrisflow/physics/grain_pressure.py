@@ -16,7 +16,6 @@ from numba import prange
 
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.pairs import BLOCK, fluid_pair, is_inside, weight
-from debrisflow.neighbors.wall_access import wall_pair
 
 
 @kernel
@@ -50,84 +49,17 @@ def covered_depth_at(i, gravity, near):
 
 
 @kernel
-def grain_pressure_row_at(
-    i, c, least_concentration, on_free_surface, submerged_density, gravity, near, solid, system
-):
-    """Write row i of the static balance, with the walls as unknowns of their own.
-
-    On the free surface of a bed p is the weight of half a row and of what that row has sunk.  Walls
-    are natural boundaries: pairs of two wall particles, and walls without a row, are left out.
-    """
-    system.entries[i], system.diagonal[i], system.right[i] = 0, 1.0, 0.0
-    if i < near.supply_from:
-        if c[i] < least_concentration:
-            return
-        if on_free_surface[i]:
-            g = np.sqrt(gravity[0] ** 2 + gravity[1] ** 2 + gravity[2] ** 2)
-            depth = covered_depth_at(i, gravity, near)
-            system.right[i] = c[i] * submerged_density * g * depth
-            return
-    diagonal, right, entries = 0.0, 0.0, 0
-    for k in range(near.fluid_count[i]):
-        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
-        if i >= near.supply_from and j >= near.supply_from:
-            continue
-        a = balance_weight(inverse, near)
-        share = (
-            c[i]
-            if j >= near.supply_from
-            else (c[j] if i >= near.supply_from else 0.5 * (c[i] + c[j]))
-        )
-        fall = gravity[0] * dx + gravity[1] * dy + gravity[2] * dz
-        right -= a * share * submerged_density * fall
-        diagonal += a
-        system.columns[i, entries], system.value[i, entries] = j, a
-        entries += a > 0.0
-    if i < near.supply_from:
-        for k in range(near.pressed_count[i]):
-            j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
-            a = balance_weight(inverse, near)
-            fall = gravity[0] * dx + gravity[1] * dy + gravity[2] * dz
-            right -= a * c[i] * submerged_density * fall
-            diagonal += a
-            system.columns[i, entries], system.value[i, entries] = near.wall_from + j, a
-            entries += a > 0.0
-    if diagonal > 0.0:
-        system.entries[i] = entries
-        system.diagonal[i] = diagonal
-        system.right[i] = right
-
-
-@kernel
-def _assemble(
-    first, last, c, least, on_free_surface, submerged_density, gravity, near, solid, system
-):
+def _carried_depths(first, last, gravity, chosen, near, depth):
     for i in range(first, last):
-        grain_pressure_row_at(
-            i, c, least, on_free_surface, submerged_density, gravity, near, solid, system
-        )
+        depth[i] = covered_depth_at(i, gravity, near) if chosen[i] else 0.0
 
 
 @loop
-def assemble_grain_pressure(
-    c, least_concentration, on_free_surface, submerged_density, gravity, near, solid, system
-):
-    """Write the balance of the buoyant grains for every fluid, inflow and wall particle."""
-    n = system.entries.size
-    for block in prange((n + BLOCK - 1) // BLOCK):
-        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
-        _assemble(
-            first,
-            last,
-            c,
-            least_concentration,
-            on_free_surface,
-            submerged_density,
-            gravity,
-            near,
-            solid,
-            system,
-        )
+def carried_depths(gravity, chosen, near, depth):
+    """Write :func:`covered_depth_at` of the chosen particles, m, and 0 of all others."""
+    for block in prange((depth.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, depth.size)
+        _carried_depths(first, last, gravity, chosen, near, depth)
 
 
 @kernel
@@ -146,9 +78,20 @@ def _couple_grains(first, last, near, c, gravity, couplings, right):
 
 @loop
 def couple_grains(near, c, submerged_gravity, couplings, right):
-    """Write the static balance over the fluid alone, and its right side, (n, 1) float64 array.
+    """Write the static balance, and its right side, (n, 1) float64 array.
 
     Walls are left out: the pressure of what the wall would hold is that which the balance asks for.
+    On the free surface of a bed p is given: the weight of half a row and of what that row has sunk.
+
+    Parameters
+    ----------
+    near : Near
+    c : (n,) float64 array
+        Concentration at the level of the particle.
+    submerged_gravity : (3,) float64 array, N/m3
+        ``(rho_s - rho_l) g``.
+    couplings : Couplings
+    right : (n, 1) float64 array, Pa
     """
     n = couplings.diagonal.size
     for block in prange((n + BLOCK - 1) // BLOCK):

@@ -18,7 +18,7 @@ from debrisflow.schemes.terms.concentration import Concentration
 from debrisflow.schemes.terms.density import Density
 from debrisflow.schemes.terms.eddies import Eddies
 from debrisflow.schemes.terms.forces import Forces
-from debrisflow.schemes.terms.grain_pressure import MixtureGrainPressure
+from debrisflow.schemes.terms.grain_pressure import GrainPressure, SharedPressure
 from debrisflow.schemes.terms.momentum_exchange import MomentumExchange
 from debrisflow.schemes.terms.motion import Motion
 from debrisflow.schemes.terms.shear import Shear
@@ -57,6 +57,10 @@ class Explicit(Scheme):
         is_implicit = not isinstance(strength, NoStrength)
         is_sheared = is_implicit or (stress.enabled and stress.granular_temperature == "algebraic")
         collisions = MixtureCollisions(case, numbers.density, numbers.sound_speed, is_implicit)
+        grains = None
+        if isinstance(strength, FrictionalStrength):
+            balance = SharedPressure if is_even else GrainPressure
+            grains = balance(case, strength, gravity)
         self._density = Density(numbers, is_even)
         self._motion = Motion(case, self.domain, LARGEST_PATH)
         terms = (
@@ -67,9 +71,7 @@ class Explicit(Scheme):
             Eddies(case) if is_implicit else None,
             self._density,
             Forces(numbers, is_even, is_viscous=not is_implicit),
-            MixtureGrainPressure(case, strength, gravity, is_even)
-            if isinstance(strength, FrictionalStrength)
-            else None,
+            grains,
             MomentumExchange(case, gravity, RESIDUAL, least) if is_implicit else None,
             self._motion,
         )

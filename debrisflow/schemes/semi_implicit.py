@@ -72,7 +72,7 @@ class SemiImplicit(Scheme):
             Contact(scheme.collision_distance * self.lattice.spacing, scheme.collision_restitution),
             self._pressure,
             PressureGradient(is_conservative=scheme.gradient == "sum"),
-            GrainPressure(case, strength, gravity, room)
+            GrainPressure(case, strength, gravity)
             if isinstance(strength, FrictionalStrength)
             else None,
             MomentumExchange(case, gravity, RESIDUAL) if has_strength else None,

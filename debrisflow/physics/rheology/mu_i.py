@@ -1,4 +1,4 @@
-"""The law mu(I) of Jop, Forterre & Pouliquen: friction grows with the inertia number of the shear."""
+"""The law mu(I) of Jop, Forterre & Pouliquen: friction that grows with the inertia of the shear."""
 
 from __future__ import annotations
 
