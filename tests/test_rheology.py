@@ -6,6 +6,7 @@ from scipy.optimize import brentq
 
 from debrisflow.neighbors.lattice import reference
 from debrisflow.physics.drag import drag_coefficient, freedom
+from debrisflow.physics.momentum_exchange import Matter, assemble_exchange
 from debrisflow.physics.rheology import (
     consistency_viscosity,
     harmonic_mean,
@@ -14,13 +15,14 @@ from debrisflow.physics.rheology import (
     yielding_viscosity,
 )
 from debrisflow.physics.turbulence import mixing_length, turbulent_viscosity, wall_friction
+from debrisflow.schemes.system import empty_system
 from tests.building import (
     GIDASPOW,
     NO_STRENGTH,
     WEN_YU,
-    exchange_system,
+    no_solid,
+    one_list,
     random_patch,
-    stencil_of,
 )
 
 COULOMB = NO_STRENGTH._replace(
@@ -265,20 +267,20 @@ def test_grains_lose_their_freedom_towards_the_packing():
 @pytest.mark.parametrize("law", [COULOMB, BEADS, HERSCHEL_BULKLEY, MUD])
 def test_what_one_particle_loses_the_other_gains(law):
     rng = np.random.default_rng(2)
-    stencil = stencil_of(random_patch(2, 150, rng, length=8.0), reference(2, 3.1, 1.0))
+    near = one_list(random_patch(2, 150, rng, length=8.0), reference(2, 3.1, 1.0))
     density = rng.choice([1000.0, 2650.0], 150)
-    system, _ = exchange_system(
-        stencil,
-        random_patch(2, 150, rng),
-        density,
-        0.01,
-        law,
+    matter = Matter(
+        velocity=random_patch(2, 150, rng),
+        density=density,
         viscosity=rng.uniform(0, 10.0, 150),
         turbulent_viscosity=rng.uniform(0, 10.0, 150),
         concentration=rng.uniform(0, 0.5, 150),
         shear_rate=rng.uniform(0, 50.0, 150),
         grain_pressure=rng.uniform(0, 1e3, 150),
     )
+    system, right = empty_system(*near.neighbors.shape), np.full((150, 3), np.nan)
+    assemble_exchange(0.01, matter, law, near, no_solid(), system, right)
+    np.testing.assert_allclose(right, density[:, None] * matter.velocity, rtol=1e-15)
     coupling = np.zeros((150, 150))
     for i, count in enumerate(system.entries):
         coupling[i, system.columns[i, :count]] = system.value[i, :count]
