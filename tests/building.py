@@ -1,26 +1,25 @@
-"""Patches of particles, stencils and small cases that several tests build."""
+"""Patches of particles, their neighbors and small cases that several tests build."""
 
 from math import ceil
 
 import numpy as np
-from debrisflow.neighbors.stencil import empty_stencil, survey
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.neighbors import pairs
 from debrisflow.neighbors.lattice import reference
-from debrisflow.neighbors.lists import FixedNeighbors, Neighbors
-from debrisflow.neighbors.wall_access import WallSurface
-from debrisflow.particles.record import blank
-from debrisflow.particles.state import initial_state
-from debrisflow.physics import momentum
+from debrisflow.neighbors.lists import FixedNeighbors, Neighbors, group
+from debrisflow.neighbors.pairs import Near
+from debrisflow.neighbors.wall_access import Solid
+from debrisflow.particles.maxima import no_maxima
+from debrisflow.particles.state import State, initial_state
+from debrisflow.physics.compressible import Fluid, Numbers
 from debrisflow.physics.drag import DragLaw
 from debrisflow.physics.rheology.coulomb import Coulomb
 from debrisflow.physics.rheology.herschel_bulkley import HerschelBulkley
 from debrisflow.physics.rheology.none import NoStrength
 from debrisflow.physics.rheology.obrien_julien import OBrienJulien
 from debrisflow.run.loop import SCHEMES
-from debrisflow.schemes.system import empty_system
+from debrisflow.schemes.terms.term import Scene
 
 NOWHERE = np.zeros(3)  # periods of a domain that does not repeat
 RADII = [(2, 3.1), (2, 2.1), (3, 2.4), (3, 2.1)]  # dimension, influence radius in spacings
@@ -53,27 +52,131 @@ def random_patch(dimension, count, rng, length=1.0):
     return position
 
 
-def stencil_of(position, lattice, rows=None, period=NOWHERE, wall_from=None, near=None):
-    """Return the stencil of the first ``rows`` particles, all by default.
+def one_list(
+    position, lattice, rows=None, period=NOWHERE, wall_from=None, supply_from=None, lists=None
+):
+    """Return who is near whom, with fluid, supply and walls in one list.
 
-    Walls are the particles from ``wall_from`` on; a neighbor list is built unless one is given.
+    As :class:`debrisflow.schemes.vicinity.OneList` has it: the first ``rows`` particles, all by
+    default, have a row of neighbors and a pressure; walls are those from ``wall_from`` on, by
+    default those without a row.  Neighbors are listed unless lists are given.
     """
     rows = len(position) if rows is None else rows
-    if near is None:
-        near = Neighbors(lattice.effective_radius, lattice.spacing, period)
-        near.build(position, rows)
-    stencil = empty_stencil(*near.index.shape, lattice)
-    survey(position, period, near.index, near.count, stencil)
-    return stencil._replace(wall_from=rows if wall_from is None else wall_from)
+    wall_from = rows if wall_from is None else wall_from
+    if lists is None:
+        lists = Neighbors(lattice.effective_radius, lattice.spacing, period)
+        lists.build(position, rows)
+    moving, pressed = np.empty((2, rows), dtype=np.int32)
+    group(lists.index, lists.count, wall_from, rows, moving, pressed)
+    return _near(
+        lattice,
+        period,
+        position=position,
+        neighbors=lists.index,
+        fluid_count=moving,
+        wall=lists.index,
+        wall_row=np.arange(rows, dtype=np.int32),
+        wall_start=moving,
+        wall_count=lists.count - moving,
+        pressed_count=pressed,
+        wall_from=wall_from,
+        supply_from=wall_from if supply_from is None else supply_from,
+    )
+
+
+def two_lists(position, solid, lattice, period=NOWHERE, supply_from=None):
+    """Return who is near whom, with the moving particles in one list and walls in another.
+
+    As :class:`debrisflow.schemes.vicinity.TwoLists` has it.
+    """
+    count, radius = len(position), (lattice.effective_radius, lattice.spacing)
+    lists = Neighbors(*radius, period)
+    lists.build(position, count)
+    wall, (wall_row, wall_count) = np.zeros((0, 8), np.int32), np.zeros((2, count), np.int32)
+    if len(solid.position):
+        walls = FixedNeighbors(solid.position, *radius, period)
+        walls.build(position)
+        wall, wall_row, wall_count = walls.index, walls.row, walls.count
+    return _near(
+        lattice,
+        period,
+        position=position,
+        neighbors=lists.index,
+        fluid_count=lists.count,
+        wall=wall,
+        wall_row=wall_row,
+        wall_start=None,
+        wall_count=wall_count,
+        pressed_count=None,
+        wall_from=0,
+        supply_from=count if supply_from is None else supply_from,
+    )
+
+
+def _near(lattice, period, **lists):
+    inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
+    return Near(
+        period=np.stack([period, inverse]) if period.any() else None,
+        spacing=lattice.spacing,
+        effective_radius=lattice.effective_radius,
+        dimension=float(lattice.dimension),
+        number_density=lattice.number_density,
+        laplacian_lambda=lattice.laplacian_lambda,
+        **lists,
+    )
+
+
+def solid_of(
+    position,
+    normal=(0.0, 0.0, 1.0),
+    depth=0.0,
+    slip=0.0,
+    roughness=0.0,
+    velocity=None,
+    layers=1.0,
+    on_mesh=False,
+):
+    """Return wall particles that are all alike but for what is given as an array."""
+    count = len(position)
+
+    def vectors(value):
+        return np.array(np.broadcast_to(value, (count, 3)), dtype=float)
+
+    depths, slips, roughnesses, layers = (
+        np.full(count, 1.0) * value for value in (depth, slip, roughness, layers)
+    )
+    return Solid(
+        position=position,
+        normal=vectors(normal),
+        depth=depths,
+        slip=slips,
+        roughness=roughnesses,
+        velocity=None if velocity is None else vectors(velocity),
+        contact_height=np.where(layers == 1.0, np.inf, -np.inf),  # at any height
+        on_mesh=np.full(count, on_mesh),
+        driving=np.zeros((count, 3)),
+    )
+
+
+def no_solid():
+    """Return no wall particles, for which kernels are compiled as for walls that may move."""
+    return solid_of(np.zeros((0, 3)), velocity=0.0)
+
+
+def scene_of(particles, near, solid=None):
+    """Return the scene of a state at its start; by default without walls."""
+    state = State(particles=particles, maxima=no_maxima(0))
+    velocity = particles.velocity[particles.moving].copy()
+    return Scene(state, near, no_solid() if solid is None else solid, velocity)
 
 
 def center_of_block(dimension, radius, spacing=1.0):
-    """Return positions and stencil of a block of lattice, and its central particle.
+    """Return positions and neighbors of a block of lattice, and its central particle.
 
     The block is wide enough that the neighbors of the central particle have all of theirs.
     """
     position = lattice_block(dimension, 4 * int(radius) + 1, spacing)
-    return position, stencil_of(position, reference(dimension, radius, spacing)), len(position) // 2
+    return position, one_list(position, reference(dimension, radius, spacing)), len(position) // 2
 
 
 def separations(position, period=NOWHERE, others=None):
@@ -98,22 +201,9 @@ def times_listed(index, count, particles):
     return times
 
 
-def no_walls(particles):
-    """Return the wall surface of particles among which there is no wall."""
-    rest = blank(particles)
-    return WallSurface(rest.wall_normal, rest.wall_depth, np.zeros(particles), np.zeros(particles))
-
-
 def numbers_of(lattice, **changes):
     """Return the constants of the explicit scheme, of water with c = 20 m/s."""
-    n0, dimension = lattice.number_density, float(lattice.dimension)
-    return pairs.Numbers(
-        spacing=lattice.spacing,
-        effective_radius=lattice.effective_radius,
-        dimension=dimension,
-        number_density=n0,
-        gradient=dimension / n0,
-        laplacian=2.0 * dimension / (lattice.laplacian_lambda * n0),
+    return Numbers(
         smooth_density=lattice.smooth_density,
         smooth_steepness=lattice.smooth_steepness,
         density=1000.0,
@@ -127,63 +217,16 @@ def numbers_of(lattice, **changes):
     )._replace(**changes)
 
 
-def fluid_of(position, **known):
+def fluid_of(count, **known):
     """Return fluid particles at rest, all of density rho0; what is not known of them is 0.
 
     The total pressure is ``pressure`` and ``grain_pressure``, if they are known.
     """
-    fields = {name: np.zeros(len(position)) for name in pairs.Fluid._fields}
-    fields |= {"position": position, "velocity": np.zeros_like(position), "density": None}
+    fields = {name: np.zeros(count) for name in Fluid._fields}
+    fields |= {"velocity": np.zeros((count, 3)), "density": None}
     grains = known.pop("grain_pressure", 0.0)
     fields["total_pressure"] = known.get("pressure", fields["pressure"]) + grains
-    return pairs.Fluid(**(fields | known))
-
-
-def solid_of(position, normal=(0.0, 0.0, 1.0), depth=0.0, slip=0.0, layers=1.0, on_mesh=False):
-    """Return wall particles that are all alike but for what is given as an array."""
-    count = len(position)
-    normals = np.array(np.broadcast_to(normal, (count, 3)), dtype=float)
-    depths, slips, layers = (np.full(count, 1.0) * value for value in (depth, slip, layers))
-    looked_for = np.where(layers == 1.0, np.inf, -np.inf)  # contacts, at any height
-    on_meshes, driving = np.full(count, on_mesh), np.zeros((count, 3))
-    return pairs.Solid(position, normals, depths, slips, looked_for, on_meshes, driving)
-
-
-def near_of(fluid, solid, lattice, period=NOWHERE):
-    """Return who is near whom."""
-    count, radius = len(fluid.position), (lattice.effective_radius, lattice.spacing)
-    near = Neighbors(*radius, period)
-    near.build(fluid.position, count)
-    walls = np.zeros((0, 8), dtype=np.int32), *np.zeros((2, count), dtype=np.int32)
-    if len(solid.position):
-        fixed = FixedNeighbors(solid.position, *radius, period)
-        fixed.build(fluid.position)
-        walls = fixed.index, fixed.row, fixed.count
-    inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
-    repeat = np.stack([period, inverse]) if period.any() else None
-    return pairs.Near(near.index, near.count, *walls, repeat)
-
-
-def exchange_system(stencil, velocity, density, dt, strength=NO_STRENGTH, **fields):
-    """Return system and right side of the implicit exchange of momentum.
-
-    All particles are fluid; fields that are not given are 0.
-    """
-    count = len(velocity)
-    names = ("viscosity", "turbulent_viscosity", "concentration", "shear_rate", "grain_pressure")
-    matter = momentum.Matter(velocity, density, *(fields.get(n, np.zeros(count)) for n in names))
-    system, right = empty_system(stencil.neighbors), np.zeros((count, 3))
-    momentum.assemble_exchange(
-        dt,
-        count,
-        matter,
-        strength,
-        no_walls(count),
-        stencil,
-        system,
-        right,
-    )
-    return system, right
+    return Fluid(**(fields | known))
 
 
 def endless_channel(spacing, slope, layers, **tables):

@@ -4,22 +4,35 @@ import numpy as np
 import pytest
 
 from debrisflow.neighbors.lattice import reference
-from debrisflow.physics import agitation, compressible
+from debrisflow.physics import compressible
+from debrisflow.physics.collision_stress import collide_grains
+from debrisflow.physics.contact import bounce_at, is_inside_wall_at, touches_wall_at
+from debrisflow.physics.granular_temperature import (
+    algebraic_temperatures,
+    capped_temperature,
+    neighborhood_temperature_at,
+    neighborhood_temperatures,
+)
 from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, granular_pressure
+from debrisflow.physics.motion import survey_motion
+from debrisflow.physics.operators import velocity_gradient_at, velocity_gradients
 from tests.building import (
     fluid_of,
     lattice_block,
-    near_of,
     numbers_of,
     random_patch,
     solid_of,
     started,
     tank3d_case,
+    two_lists,
 )
 
 LATTICE = reference(3, 2.4, 1.0)
 NUMBERS = numbers_of(LATTICE)
-GRAINS = Grains(2650.0, 0.3, 0.7, 0.55, 0.5)
+DISTANCE, RESTITUTION = NUMBERS.collision_distance, NUMBERS.restitution
+GRAINS = Grains(
+    density=2650.0, diameter=0.3, restitution=0.7, packing_limit=0.55, largest_concentration=0.5
+)
 NO_WALLS = solid_of(np.zeros((0, 3)))
 MIDDLE = 9**3 // 2
 REACH = 0.3  # height below which a particle bounces: the collision distance less half a spacing
@@ -31,28 +44,28 @@ def rng():
 
 
 def sheared(rate, drift=0.0):
-    """Return a block of lattice in plane shear, of which the middle particle has all near it."""
+    """Return places and velocities of a lattice in plane shear; the middle one has all near it."""
     position = lattice_block(3, 9)
     velocity = np.zeros_like(position)
     velocity[:, 0] = drift + rate * position[:, 2]
-    return fluid_of(position, velocity=velocity)
+    return position, velocity
 
 
-def variance(fluid, i=MIDDLE):
-    return agitation.agitation_at(i, fluid, near_of(fluid, NO_WALLS, LATTICE), NUMBERS)
+def variance(position, velocity, i=MIDDLE):
+    near = two_lists(position, NO_WALLS, LATTICE)
+    return neighborhood_temperature_at(i, velocity, np.ones(len(position)), near)
 
 
 def test_uniform_motion_has_no_agitation(rng):
-    position = random_patch(3, 200, rng, length=6.0)
-    fluid = fluid_of(position, velocity=np.tile([3.7, -1.3, 0.4], (200, 1)))
-    assert all(variance(fluid, i) == 0.0 for i in range(200))
+    position, velocity = random_patch(3, 200, rng, length=6.0), np.tile([3.7, -1.3, 0.4], (200, 1))
+    assert all(variance(position, velocity, i) == 0.0 for i in range(200))
 
 
 def test_uniform_shear_looks_like_agitation():
-    fluid = sheared(4.0, drift=50.0)
-    z = fluid.position[:, 2] - fluid.position[MIDDLE, 2]
-    near = np.linalg.norm(fluid.position - fluid.position[MIDDLE], axis=1) < 2.4
-    found = variance(fluid)
+    position, velocity = sheared(4.0, drift=50.0)
+    z = position[:, 2] - position[MIDDLE, 2]
+    near = np.linalg.norm(position - position[MIDDLE], axis=1) < 2.4
+    found = variance(position, velocity)
     # velocities of 50 m/s are subtracted from each other
     assert found == pytest.approx(4.0**2 * np.mean(z[near] ** 2) / 3.0, rel=1e-12)
     # of a ball; the 57 points have 198 d0^2 in sum of r^2, 0.5 % more than a ball
@@ -61,16 +74,16 @@ def test_uniform_shear_looks_like_agitation():
 
 def test_agitation_is_the_variance_of_those_in_reach(rng):
     position, velocity = random_patch(3, 300, rng, length=6.0), rng.normal(size=(300, 3))
-    fluid = fluid_of(position, velocity=velocity)
     for i in range(0, 300, 20):
         near = np.linalg.norm(position - position[i], axis=1) < 2.4
         expected = np.var(velocity[near], axis=0).sum() / 3.0
-        assert variance(fluid, i) == pytest.approx(expected, rel=1e-12)
+        assert variance(position, velocity, i) == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_pressure_of_agitated_grains_stays_below_a_share_of_that_of_sound():
-    def capped(temperature):
-        return agitation.capped_temperature(temperature, 0.5, GRAINS, NUMBERS)
+    def capped(temperature, c=0.5):
+        density, sound_speed = NUMBERS.density, NUMBERS.sound_speed
+        return capped_temperature(temperature, c, density, sound_speed, GRAINS)
 
     most = capped(1e9)
     # K sqrt(3 T) = 0.1 rho0 c: at the cap a fluctuation pushes a tenth as hard as sound does
@@ -78,26 +91,29 @@ def test_the_pressure_of_agitated_grains_stays_below_a_share_of_that_of_sound():
     assert pushed * np.sqrt(3.0 * most) == pytest.approx(0.1 * 1000.0 * 20.0, rel=1e-13)
     assert capped(1.001 * most) == most
     assert capped(0.999 * most) == 0.999 * most
-    assert agitation.capped_temperature(1e9, 0.4, GRAINS, NUMBERS) > most
+    assert capped(1e9, c=0.4) > most
+    # an incompressible fluid has no cap
+    assert capped_temperature(1e9, 0.5, 1000.0, np.inf, GRAINS) == 1e9
 
 
 @pytest.mark.parametrize("is_algebraic", [True, False])
 def test_the_study_and_the_algebraic_law_stir_a_shear(is_algebraic):
-    fluid, temperature = sheared(0.5), np.empty(9**3)
-    near = near_of(fluid, NO_WALLS, LATTICE)
+    (position, velocity), temperature = sheared(0.5), np.empty(9**3)
+    near, everywhere = two_lists(position, NO_WALLS, LATTICE), np.ones(9**3)
     grains = GRAINS._replace(diameter=0.01)
     if is_algebraic:
-        gradient, rate = np.empty((9**3, 9)), np.empty(9**3)
-        agitation.velocity_gradients(fluid, NO_WALLS, near, NUMBERS, gradient, rate)
+        gradient, rate = np.empty((9**3, 9), np.float32), np.empty(9**3)
+        velocity_gradients(velocity, near, NO_WALLS, gradient, rate)
         np.testing.assert_allclose(rate, 0.5, rtol=1e-12)
         expected = np.zeros(9)
         expected[2] = 0.5
         np.testing.assert_allclose(gradient, np.tile(expected, (9**3, 1)), atol=1e-12)
-        agitation.algebraic_temperatures(rate, grains, temperature)
+        algebraic_temperatures(rate, everywhere, grains, temperature)
     else:
         c = np.full(9**3, 0.1)
-        agitation.neighborhood_temperatures(fluid, near, c, grains, NUMBERS, temperature)
-    expected = algebraic_temperature(0.5, grains) if is_algebraic else variance(fluid)
+        numbers = NUMBERS.density, NUMBERS.sound_speed
+        neighborhood_temperatures(velocity, everywhere, c, *numbers, grains, near, temperature)
+    expected = algebraic_temperature(0.5, grains) if is_algebraic else variance(position, velocity)
     # at the surface too the shear of a linear profile is exact
     rows = slice(None) if is_algebraic else MIDDLE
     np.testing.assert_allclose(temperature[rows], expected, rtol=1e-12)
@@ -109,7 +125,7 @@ def collided_grains(c, temperature, n, grains=GRAINS, viscosity=20.0):
     n = np.asarray(n, dtype=float) * n0
     pressure, total = np.empty(n.size), np.full(n.size, viscosity)
     c, temperatures = np.full(n.size, c), np.full(n.size, temperature)
-    agitation.collide_grains(c, grains, n0, n, temperatures, pressure, total)
+    collide_grains(c, grains, n0, n, temperatures, pressure, total)
     return pressure, total
 
 
@@ -141,7 +157,7 @@ def test_each_particle_collides_at_its_own_concentration_and_agitation():
     c, temperature, n0 = np.array([0.1, 0.4]), np.array([0.2, 0.05]), LATTICE.number_density
     pressure, viscosity = np.empty(2), np.zeros(2)
     full = np.full(2, n0)
-    agitation.collide_grains(c, GRAINS, n0, full, temperature, pressure, viscosity)
+    collide_grains(c, GRAINS, n0, full, temperature, pressure, viscosity)
     for i in range(2):
         alone = collided_grains(c[i], temperature[i], [1.0], viscosity=0.0)
         assert (pressure[i], viscosity[i]) == (alone[0][0], alone[1][0])
@@ -149,10 +165,12 @@ def test_each_particle_collides_at_its_own_concentration_and_agitation():
 
 def after_collision(position, velocity, restitution, density=None):
     """Return the velocities of particles after their collisions alone."""
-    fluid = fluid_of(np.array(position), velocity=np.array(velocity), density=density)
-    near, numbers = near_of(fluid, NO_WALLS, LATTICE), NUMBERS._replace(restitution=restitution)
+    position = np.array(position)
+    fluid = fluid_of(len(position), velocity=np.array(velocity), density=density)
+    near = two_lists(position, NO_WALLS, LATTICE)
+    numbers = NUMBERS._replace(restitution=restitution)
     hits = [
-        compressible.acceleration_at(i, fluid, NO_WALLS, near, numbers)[3:6]
+        compressible.acceleration_at(i, fluid, near, NO_WALLS, numbers)[3:6]
         for i in range(len(position))
     ]
     return fluid.velocity + hits
@@ -180,12 +198,16 @@ def test_two_particles_part_with_their_restitution(restitution, density):
         assert np.array_equal(after_collision(*free, restitution, density), free[1])
 
 
+def bounce(position, velocity, solid):
+    """Return a velocity after the bounce off the walls, from a place."""
+    near = two_lists(np.array([position], dtype=float), solid, LATTICE)
+    return bounce_at(0, *velocity, DISTANCE, RESTITUTION, near, solid)
+
+
 def bounced(height, velocity, normal=(0.0, 0.0, 1.0), aside=(0.0, 0.0), layers=1.0):
     """Return a velocity after the bounce off one wall particle, from a height over its face."""
     solid = solid_of(np.array([[0.0, 0.0, -0.5]]), normal, 0.5, layers=layers)
-    fluid = fluid_of(np.array([[*aside, height]]))
-    near = near_of(fluid, solid, LATTICE)
-    return compressible.bounce_at(0, *velocity, fluid, solid, near, NUMBERS)
+    return bounce((*aside, height), velocity, solid)
 
 
 def test_a_wall_throws_back_what_comes_near_and_lets_it_slide():
@@ -204,9 +226,7 @@ def test_a_wall_throws_back_what_comes_near_and_lets_it_slide():
 def test_a_floor_of_many_particles_throws_back_once_everywhere(aside):
     floor = lattice_block(3, (7, 7, 3)) - [3.5, 3.5, 3.0]
     solid = solid_of(floor, depth=-floor[:, 2], layers=0.5 - floor[:, 2])
-    fluid = fluid_of(np.array([[*aside, 0.2]]))
-    near = near_of(fluid, solid, LATTICE)
-    found = compressible.bounce_at(0, 1.0, 3.0, -2.0, fluid, solid, near, NUMBERS)
+    found = bounce((*aside, 0.2), (1.0, 3.0, -2.0), solid)
     np.testing.assert_allclose(found, [1.0, 3.0, 0.4], rtol=1e-14)
 
 
@@ -216,10 +236,8 @@ def test_at_the_edge_or_corner_of_a_box_the_face_that_looks_at_the_particle_coun
     for axis in np.flatnonzero(normal):
         outward = np.zeros(3)
         outward[axis] = np.sign(normal[axis])
-        fluid, solid = fluid_of(np.array([0.75 * outward])), solid_of(np.zeros((1, 3)), normal, 0.5)
-        near = near_of(fluid, solid, LATTICE)
         velocity = np.array([0.3, -0.2, 0.1]) - 2.0 * outward
-        found = compressible.bounce_at(0, *velocity, fluid, solid, near, NUMBERS)
+        found = bounce(0.75 * outward, velocity, solid_of(np.zeros((1, 3)), normal, 0.5))
         approach = -velocity @ outward
         np.testing.assert_allclose(found, velocity + 1.2 * approach * outward, rtol=1e-14)
 
@@ -230,9 +248,8 @@ def test_the_face_of_a_mesh_is_the_plane_at_its_depth(depth):
     solid = solid_of(np.zeros((1, 3)), normal, depth, on_mesh=True)
 
     def found(height, aside, velocity):
-        fluid = fluid_of(np.array([(depth + height) * normal + [-0.8 * aside, 0.0, 0.6 * aside]]))
-        near = near_of(fluid, solid, LATTICE)
-        return compressible.bounce_at(0, *velocity, fluid, solid, near, NUMBERS)
+        place = (depth + height) * normal + [-0.8 * aside, 0.0, 0.6 * aside]
+        return bounce(place, velocity, solid)
 
     velocity = -2.0 * normal + [0.8, 1.0, -0.6]  # the rest is along the plane
     for aside in (0.0, -0.9, 0.9):
@@ -248,19 +265,21 @@ def test_whatever_bounces_has_been_found_in_contact(rng, distance):
     box = {"type": "box", "name": "box", "x": [0.3, 0.5], "y": [0.2, 0.4], "z": [0.0, 0.3]}
     numbers = {"sound_speed": 20.0, "collision_distance": distance}
     scheme, state = started(tank3d_case(obstacle=[box], scheme=numbers))
-    scheme._set_walls(state)
-    solid, lattice, numbers = scheme._solid, scheme.lattice, scheme._numbers
+    solid, lattice = scheme.observe(state).solid, scheme.lattice
+    numbers = numbers_of(lattice, collision_distance=distance * lattice.spacing)
     anywhere = rng.uniform(-0.02, [0.82, 0.62, 0.4], (4000, 3))
     at_a_corner = rng.uniform([0.25, 0.15, 0.25], [0.35, 0.25, 0.35], (1000, 3))
-    fluid = fluid_of(np.concatenate([anywhere, at_a_corner]))
-    near, bounces = near_of(fluid, solid, lattice), 0
-    for i in range(len(fluid.position)):
-        *_, contacts = compressible.acceleration_at(i, fluid, solid, near, numbers)
+    position = np.concatenate([anywhere, at_a_corner])
+    fluid, near, bounces = fluid_of(len(position)), two_lists(position, solid, lattice), 0
+    reach = numbers.collision_distance, numbers.restitution
+    for i in range(len(position)):
+        *_, contacts = compressible.acceleration_at(i, fluid, near, solid, numbers)
+        assert contacts == touches_wall_at(i, near, solid)
         for velocity in np.concatenate([np.eye(3), -np.eye(3)]):
-            after = compressible.bounce_at(i, *velocity, fluid, solid, near, numbers)
+            after = bounce_at(i, *velocity, *reach, near, solid)
             if not np.array_equal(after, velocity):
                 bounces += 1
-                assert contacts > 0.0, fluid.position[i]
+                assert contacts > 0.0, position[i]
     assert bounces > 500
 
 
@@ -268,22 +287,19 @@ def test_particles_at_one_place_have_no_direction_and_no_end(rng):
     position = random_patch(3, 100, rng, length=4.0)
     position[40] = position[3]
     fluid = fluid_of(
-        position,
+        100,
         velocity=rng.normal(size=(100, 3)),
         compression=rng.uniform(0.0, 0.02, 100),
         pressure=rng.uniform(0.0, 1e3, 100),
         viscosity=np.full(100, 1e-3),
     )
     solid = solid_of(np.concatenate([position[7:8], position[20:25] + 0.1]), depth=0.5)
-    near = near_of(fluid, solid, LATTICE)
-    for function in (
-        compressible.density_rate_at,
-        agitation.velocity_gradient_at,
-        compressible.acceleration_at,
-    ):
-        for i in (3, 7, 40):
-            assert np.all(np.isfinite(function(i, fluid, solid, near, NUMBERS)))
-    hits = compressible.acceleration_at(3, fluid, solid, near, NUMBERS)[3:6]
+    near = two_lists(position, solid, LATTICE)
+    for i in (3, 7, 40):
+        for function in (compressible.density_rate_at, compressible.acceleration_at):
+            assert np.all(np.isfinite(function(i, fluid, near, solid, NUMBERS)))
+        assert np.all(np.isfinite(velocity_gradient_at(i, fluid.velocity, near, solid)))
+    hits = compressible.acceleration_at(3, fluid, near, solid, NUMBERS)[3:6]
     assert np.linalg.norm(hits) < 100.0  # they are not thrown apart
 
 
@@ -296,9 +312,8 @@ def test_a_particle_is_in_a_wall_where_its_second_layer_stands(aside, depth, is_
     for axis in range(3):
         position = np.zeros((1, 3))
         position[0, axis] = aside
-        near = near_of(fluid_of(position), solid, LATTICE)
-        found = compressible.is_inside_wall_at(0, position, solid, near, NUMBERS)
-        assert found == is_inside
+        near = two_lists(position, solid, LATTICE)
+        assert is_inside_wall_at(0, near, solid) == is_inside
 
 
 @pytest.mark.parametrize("count", [0, 3, 100])
@@ -307,7 +322,7 @@ def test_the_survey_finds_the_fastest_and_who_is_outside(rng, count):
     fastest, outside = np.empty(16), np.empty(16, dtype=np.int64)
     lower, upper = np.array([-0.9, -2.0, -2.0]), np.array([2.0, 2.0, 0.9])
     mouth = np.array([0.5, -0.3, 0.6])
-    compressible.survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
+    survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
     square = np.sum(velocity**2, axis=1)
     assert fastest.max() == pytest.approx(square.max(initial=0.0), rel=1e-15)
     # a particle in a corner counts for each bound that it passed
@@ -316,5 +331,5 @@ def test_the_survey_finds_the_fastest_and_who_is_outside(rng, count):
     assert outside.sum() == np.sum(x < -0.9) + np.sum(z > 0.9) + np.sum(beside)
     if count:
         velocity[count // 2, 1] = np.nan
-        compressible.survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
+        survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
         assert fastest.max() == np.inf

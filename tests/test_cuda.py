@@ -14,9 +14,15 @@ import pytest
 from numba import typeof, types
 
 from debrisflow.neighbors.lattice import reference
-from debrisflow.physics import agitation, compressible
+from debrisflow.physics.compressible import acceleration_at, density_rate_at
+from debrisflow.physics.contact import bounce_at, is_inside_wall_at
+from debrisflow.physics.granular_temperature import (
+    capped_temperature,
+    neighborhood_temperature_at,
+)
 from debrisflow.physics.kinetic_theory import Grains
-from tests.building import fluid_of, near_of, numbers_of, random_patch, solid_of
+from debrisflow.physics.operators import velocity_gradient_at
+from tests.building import fluid_of, numbers_of, random_patch, solid_of, two_lists
 
 pytest.importorskip("numba_cuda", reason="numba-cuda is not installed: the extra cuda-check")
 from numba import cuda
@@ -55,12 +61,24 @@ def compiler(monkeypatch):
 
 @pytest.fixture(params=["open", "periodic"])
 def kinds(request):
-    """Return the types of the arguments: fluid, solid, near, numbers, grains."""
+    """Return the types of the arguments by name."""
     rng = np.random.default_rng(1)
     period = np.array([0.0, LENGTH * (request.param == "periodic"), 0.0])
-    fluid, solid = (build(random_patch(3, 20, rng, LENGTH)) for build in (fluid_of, solid_of))
-    near, grains = near_of(fluid, solid, LATTICE, period), Grains(2650.0, 0.01, 0.8, 0.55, 0.5)
-    return tuple(map(typeof, (fluid, solid, near, numbers_of(LATTICE), grains)))
+    position, solid = random_patch(3, 20, rng, LENGTH), solid_of(random_patch(3, 20, rng, LENGTH))
+    arguments = {
+        "fluid": fluid_of(20),
+        "near": two_lists(position, solid, LATTICE, period),
+        "solid": solid,
+        "numbers": numbers_of(LATTICE),
+        "grains": Grains(
+            density=2650.0,
+            diameter=0.01,
+            restitution=0.8,
+            packing_limit=0.55,
+            largest_concentration=0.5,
+        ),
+    }
+    return SimpleNamespace(**{name: typeof(value) for name, value in arguments.items()})
 
 
 def compiled_for_gpu(function, *arguments):
@@ -73,32 +91,36 @@ def compiled_for_gpu(function, *arguments):
     return code, result
 
 
+VECTORS, SCALARS = types.float64[:, ::1], types.float64[::1]
+
+
 @pytest.mark.parametrize(
     ("function", "results"),
-    [
-        (compressible.density_rate_at, 3),
-        (compressible.acceleration_at, 7),
-        (agitation.velocity_gradient_at, 9),
-    ],
+    [(density_rate_at, 3), (acceleration_at, 7), (velocity_gradient_at, 9)],
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_sums_over_neighbors_compile_for_a_gpu(kinds, function, results):
-    code, result = compiled_for_gpu(function, *kinds[:4])
+    arguments = (kinds.fluid, kinds.near, kinds.solid, kinds.numbers)
+    if function is velocity_gradient_at:
+        arguments = (VECTORS, kinds.near, kinds.solid)
+    code, result = compiled_for_gpu(function, *arguments)
     assert result == types.UniTuple(types.float64, results)
     assert "sqrt.rn.f64" in code
-    assert ("rint" in code or "cvt.rni.f64" in code) == (kinds[2].types[-1] is not types.none)
+    period = kinds.near.types[kinds.near.fields.index("period")]
+    assert ("rint" in code or "cvt.rni.f64" in code) == (period is not types.none)
 
 
 def test_agitation_contact_and_walls_compile_for_a_gpu(kinds):
-    fluid, solid, near, numbers, grains = kinds
-    f, pair = types.float64, fluid.types[0]
-    assert compiled_for_gpu(agitation.agitation_at, fluid, near, numbers)[1] == f
-    assert compiled_for_gpu(compressible.bounce_at, f, f, f, *kinds[:4])[1] == types.UniTuple(f, 3)
-    found = compiled_for_gpu(compressible.is_inside_wall_at, pair, solid, near, numbers)[1]
+    f, near, solid = types.float64, kinds.near, kinds.solid
+    _, found = compiled_for_gpu(neighborhood_temperature_at, VECTORS, SCALARS, near)
+    assert found == f
+    _, found = compiled_for_gpu(bounce_at, f, f, f, f, f, near, solid)
+    assert found == types.UniTuple(f, 3)
+    _, found = compiled_for_gpu(is_inside_wall_at, near, solid)
     assert found == types.boolean
     code, result = cuda.compile(
-        agitation.capped_temperature.py_func,
-        (f, f, grains, numbers),
+        capped_temperature.py_func,
+        (f, f, f, f, kinds.grains),
         device=True,
         abi="numba",
         cc=CAPABILITY,

@@ -5,30 +5,31 @@ import pytest
 
 from debrisflow._jit import set_threads
 from debrisflow.neighbors.lattice import reference
-from debrisflow.physics import agitation, exchange, images
-from debrisflow.physics.concentration import concentration, level_concentration
+from debrisflow.physics import images
+from debrisflow.physics.grain_pressure import couple_grains
+from debrisflow.physics.momentum_exchange import Flow, couple_momentum, resist, wall_drag_at
+from debrisflow.physics.operators import velocity_gradients
+from debrisflow.schemes.pair_solver import Couplings, solve
 from tests.building import (
     COULOMB,
     HERSCHEL_BULKLEY,
     MUD,
     NOWHERE,
-    fluid_of,
     lattice_block,
-    near_of,
     numbers_of,
     random_patch,
     separations,
     solid_of,
-    stencil_of,
+    two_lists,
 )
 
 SPACING = 0.5
 LATTICE = reference(3, 2.4, SPACING)
-NUMBERS = numbers_of(LATTICE)
+GRAVITY = numbers_of(LATTICE).gravity
 LENGTH = 9.0 * SPACING
 PERIODS = [NOWHERE, np.array([0.0, LENGTH, 0.0])]
 NO_WALLS = solid_of(np.zeros((0, 3)))
-DOWN = NUMBERS.gravity / np.linalg.norm(NUMBERS.gravity)
+DOWN = GRAVITY / np.linalg.norm(GRAVITY)
 DT, COUNT = 0.002, 300
 LAW = HERSCHEL_BULKLEY
 SUBMERGED = 1650.0 * np.array([0.0, 0.0, -10.0])
@@ -48,8 +49,8 @@ def period(request):
 
 
 @pytest.fixture
-def fluid(rng):
-    return fluid_of(random_patch(3, COUNT, rng, LENGTH))
+def position(rng):
+    return random_patch(3, COUNT, rng, LENGTH)
 
 
 @pytest.fixture
@@ -78,26 +79,37 @@ def flow(rng, request):
 
 def flow_of(count, **known):
     """Return what resists the shear; by default water without viscosity."""
-    fields = {name: np.zeros(count) for name in exchange.Flow._fields}
+    fields = {name: np.zeros(count) for name in Flow._fields}
     fields |= {"density": np.full(count, 1000.0), "least_viscosity": 0.0}
     fields |= {"gradient": np.zeros((count, 9), np.float32), "consistency": None}
-    return exchange.Flow(**(fields | known))
+    return Flow(**(fields | known))
 
 
 def empty_couplings(near, is_free=None):
     count = near.fluid_count.size
     free = np.ones(count, dtype=bool) if is_free is None else is_free
-    return exchange.Couplings(
-        np.full(near.fluid.shape, np.nan, dtype=np.float32), np.full(count, np.nan), free
+    return Couplings(
+        value=np.full(near.neighbors.shape, np.nan, dtype=np.float32),
+        diagonal=np.full(count, np.nan),
+        is_free=free,
     )
 
 
-def coupled_momentum(fluid, solid, flow, period=NOWHERE, is_free=None, dt=DT):
-    """Return couplings of momentum, and who is near whom."""
-    near = near_of(fluid, solid, LATTICE, period)
-    found, mirrors = empty_couplings(near, is_free), images.no_mirrors(near.fluid_count.size)
-    images.find_mirrors(fluid, solid, near, NUMBERS, mirrors)
-    exchange.couple_momentum(dt, fluid, solid, near, flow, mirrors, LAW, DOWN, NUMBERS, found)
+def mirrors_of(near, solid):
+    """Return the mirrors of all particles."""
+    mirrors = images.no_mirrors(near.fluid_count.size)
+    images.find_mirrors(near, solid, mirrors)
+    return mirrors
+
+
+def coupled_momentum(position, solid, flow, period=NOWHERE, is_free=None, velocity=None):
+    """Return couplings of momentum, and who is near whom; of particles at rest by default."""
+    near = two_lists(position, solid, LATTICE, period)
+    velocity = np.zeros_like(position) if velocity is None else velocity
+    found, mirrors = empty_couplings(near, is_free), mirrors_of(near, solid)
+    right = np.zeros_like(position)
+    couple_momentum(DT, velocity, near, solid, flow, mirrors, LAW, DOWN, found, right)
+    assert not right.any()  # walls are at rest
     return found, near
 
 
@@ -105,7 +117,7 @@ def dense(couplings, near):
     """Return the matrix of a system, (n, n) array, with all rows free."""
     matrix = np.diag(couplings.diagonal)
     for i, count in enumerate(near.fluid_count):
-        np.subtract.at(matrix[i], near.fluid[i, :count], couplings.value[i, :count])
+        np.subtract.at(matrix[i], near.neighbors[i, :count], couplings.value[i, :count])
     return matrix
 
 
@@ -133,12 +145,11 @@ def weights(position, others=None, period=NOWHERE):
     return r, weight(distance)
 
 
-def image_weights(fluid, solid, period):
+def image_weights(position, solid, period):
     """Return the coupling weight of the images of all pairs in the wall that both are near."""
-    mirrors, near = images.no_mirrors(COUNT), near_of(fluid, solid, LATTICE, period)
-    images.find_mirrors(fluid, solid, near, NUMBERS, mirrors)
+    mirrors = mirrors_of(two_lists(position, solid, LATTICE, period), solid)
     alike = mirrors.normal @ mirrors.normal.T >= images.ALIKE
-    r = separations(fluid.position, period)
+    r = separations(position, period)
     across = mirrors.height[:, None] * mirrors.height
     distance = np.sqrt(np.sum(r**2, axis=2) + 4.0 * across)
     return np.where(alike, weight(distance), 0.0)
@@ -173,12 +184,12 @@ def mean(values):
     return 0.5 * (values[None] + values[:, None])
 
 
-def expected_matrix(fluid, solid, flow, period):
+def expected_matrix(position, velocity, solid, flow, period):
     """Return the matrix of the exchange from sums over all pairs."""
-    r, w = weights(fluid.position, period=period)
-    w = w + image_weights(fluid, solid, period) * (w > 0.0)
+    r, w = weights(position, period=period)
+    w = w + image_weights(position, solid, period) * (w > 0.0)
     gradient = flow.gradient.reshape(-1, 3, 3)
-    difference = fluid.velocity[None] - fluid.velocity[:, None]
+    difference = velocity[None] - velocity[:, None]
     rate = shear_rates(mean(gradient), r, difference)
     share = np.minimum(flow.ramp[None], flow.ramp[:, None])
     strength = share * mean(flow.strength)
@@ -186,14 +197,14 @@ def expected_matrix(fluid, solid, flow, period):
     if flow.consistency is not None:
         mu += share * thinning(mean(flow.consistency), rate)
     coefficient = DT * w * np.maximum(mu, flow.least_viscosity)
-    r, w = weights(fluid.position, solid.position, period)
+    r, w = weights(position, solid.position, period)
     depth = 0.5 * r @ DOWN
     deeper = flow.strength[:, None] + depth * flow.deepening[:, None]
     on_wall = flow.ramp[:, None] * np.maximum(deeper, 0.0)
     height = -np.einsum("ijk,jk->ij", r, solid.normal) - solid.depth
     over = np.maximum(height, 0.5 * SPACING)[..., None]
     normal = np.broadcast_to(solid.normal, r.shape)
-    rate = shear_rates(gradient[:, None], normal, fluid.velocity[:, None] / over)
+    rate = shear_rates(gradient[:, None], normal, velocity[:, None] / over)
     mu = flow.viscosity[:, None] + yielding(on_wall, rate)
     if flow.consistency is not None:
         mu += flow.ramp[:, None] * thinning(flow.consistency[:, None], rate)
@@ -202,31 +213,35 @@ def expected_matrix(fluid, solid, flow, period):
     return np.diag(flow.density + coefficient.sum(axis=1) + DT * drag) - coefficient
 
 
-def test_the_exchange_of_momentum_is_the_sum_over_all_pairs(fluid, solid, flow, period):
-    couplings, near = coupled_momentum(fluid, solid, flow, period)
-    expected = expected_matrix(fluid, solid, flow, period)
+@pytest.mark.parametrize("is_moving", [False, True])
+def test_the_exchange_of_momentum_is_the_sum_over_all_pairs(
+    position, solid, flow, period, is_moving, rng
+):
+    velocity = is_moving * rng.normal(size=(COUNT, 3))
+    couplings, near = coupled_momentum(position, solid, flow, period, velocity=velocity)
+    expected = expected_matrix(position, velocity, solid, flow, period)
     assert np.count_nonzero(expected - np.diag(np.diag(expected))) > 15 * COUNT
     # rounded when written, and twice more where images are added
     np.testing.assert_allclose(dense(couplings, near), expected, rtol=3.0 * SINGLE)
 
 
-def test_what_one_particle_loses_the_other_gains(fluid, solid, flow, period):
-    couplings, near = coupled_momentum(fluid, solid, flow, period)
+def test_what_one_particle_loses_the_other_gains(position, solid, flow, period):
+    couplings, near = coupled_momentum(position, solid, flow, period)
     matrix = dense(couplings, near)
     np.testing.assert_array_equal(matrix, matrix.T)
-    couplings, near = coupled_momentum(fluid, NO_WALLS, flow, period)
+    couplings, near = coupled_momentum(position, NO_WALLS, flow, period)
     matrix = dense(couplings, near)
     # what is left of a row is the density: motion in common is not resisted
     rest = matrix.sum(axis=1) - flow.density
     assert np.abs(rest).max() < 1e-14 * np.abs(matrix).max()
 
 
-def test_the_exchange_conserves_momentum_and_takes_energy(fluid, flow, rng, period):
-    couplings, near = coupled_momentum(fluid, NO_WALLS, flow, period)
+def test_the_exchange_conserves_momentum_and_takes_energy(position, flow, rng, period):
+    couplings, near = coupled_momentum(position, NO_WALLS, flow, period)
     velocity = rng.normal(size=(COUNT, 3))
     right = flow.density[:, None] * velocity
     after = np.zeros((COUNT, 3))
-    assert exchange.solve(couplings, near, right, 1e-26 * np.sum(right**2), 2000, after) > 0
+    assert solve(couplings, near, right, 1e-26 * np.sum(right**2), 2000, after) > 0
     before = flow.density @ velocity
     np.testing.assert_allclose(flow.density @ after, before, atol=EXACT * np.abs(right).sum())
     energy = [flow.density @ np.sum(u**2, axis=1) for u in (velocity, after)]
@@ -235,14 +250,14 @@ def test_the_exchange_conserves_momentum_and_takes_energy(fluid, flow, rng, peri
 
 @pytest.mark.parametrize("columns", [1, 3])
 @pytest.mark.parametrize("supplied", [0, 40])
-def test_the_solution_is_that_by_elimination(fluid, solid, flow, rng, columns, supplied):
+def test_the_solution_is_that_by_elimination(position, solid, flow, rng, columns, supplied):
     free = np.arange(COUNT) < COUNT - supplied
-    couplings, near = coupled_momentum(fluid, solid, flow, PERIODS[1], free)
+    couplings, near = coupled_momentum(position, solid, flow, PERIODS[1], free)
     right, start = rng.normal(size=(2, COUNT, columns))
     right *= 1000.0
     found = start.copy()
     goal = 1e-26 * np.sum(right[free] ** 2)
-    iterations = exchange.solve(couplings, near, right, goal, 2000, found)
+    iterations = solve(couplings, near, right, goal, 2000, found)
     assert 1 < iterations < 1000
     expected = solved_exactly(couplings, near, right, start)
     np.testing.assert_array_equal(found[~free], start[~free])
@@ -252,63 +267,62 @@ def test_the_solution_is_that_by_elimination(fluid, solid, flow, rng, columns, s
     # less was asked, less was done, and no more is left than was asked
     loose = start.copy()
     goal = 1e-4 * np.sum(right[free] ** 2)
-    assert exchange.solve(couplings, near, right, goal, 2000, loose) < iterations
+    assert solve(couplings, near, right, goal, 2000, loose) < iterations
     rest = (right - dense(couplings, near) @ loose)[free]
     assert np.sum(rest**2) <= goal * (1.0 + 1e-9)
 
 
-def test_a_solution_is_found_at_once_and_an_unreachable_one_is_told(fluid, flow, rng):
-    couplings, near = coupled_momentum(fluid, NO_WALLS, flow)
+def test_a_solution_is_found_at_once_and_an_unreachable_one_is_told(position, flow, rng):
+    couplings, near = coupled_momentum(position, NO_WALLS, flow)
     right = 1000.0 * rng.normal(size=(COUNT, 3))
     goal = 1e-20 * np.sum(right**2)
     x = np.zeros((COUNT, 3))
-    exchange.solve(couplings, near, right, goal, 2000, x)
-    assert exchange.solve(couplings, near, right, 10.0 * goal, 2000, x.copy()) == 1
-    assert exchange.solve(couplings, near, right, goal, 3, np.zeros((COUNT, 3))) == -1
+    solve(couplings, near, right, goal, 2000, x)
+    assert solve(couplings, near, right, 10.0 * goal, 2000, x.copy()) == 1
+    assert solve(couplings, near, right, goal, 3, np.zeros((COUNT, 3))) == -1
     right[7, 1] = np.nan
-    assert exchange.solve(couplings, near, right, goal, 2000, np.zeros((COUNT, 3))) == -1
+    assert solve(couplings, near, right, goal, 2000, np.zeros((COUNT, 3))) == -1
 
 
 def crowd_and_stray(viscosity):
     """Return particles in a stiff block, with a last one far from all of them, and the flow."""
     block = lattice_block(3, 6, SPACING)
     position = np.concatenate([block, [[50.0, 0.0, 0.0]]])
-    return fluid_of(position), flow_of(len(position), viscosity=np.full(len(position), viscosity))
+    return position, flow_of(len(position), viscosity=np.full(len(position), viscosity))
 
 
 @pytest.mark.parametrize("goal", [1e-12, 1e3, np.inf])
 def test_what_touches_nothing_falls_freely_however_lax_the_goal(goal, rng):
-    fluid, flow = crowd_and_stray(viscosity=1e6)
-    couplings, near = coupled_momentum(fluid, NO_WALLS, flow)
-    started = rng.normal(size=fluid.position.shape)
+    position, flow = crowd_and_stray(viscosity=1e6)
+    couplings, near = coupled_momentum(position, NO_WALLS, flow)
+    started = rng.normal(size=position.shape)
     fallen = started + DT * np.array([0.0, 0.0, -9.81])
     x = started.copy()
-    exchange.solve(couplings, near, 1000.0 * fallen, goal, 2000, x)
+    solve(couplings, near, 1000.0 * fallen, goal, 2000, x)
     np.testing.assert_allclose(x[-1], fallen[-1], rtol=1e-15)
 
 
 def test_what_touches_only_a_wall_gets_its_solution_however_lax_the_goal():
-    fluid, flow = crowd_and_stray(viscosity=1e3)
+    position, flow = crowd_and_stray(viscosity=1e3)
     floor = lattice_block(3, (5, 5, 2), SPACING) + np.array([48.75, -1.25, -1.25])
     solid = solid_of(floor, depth=-0.25 - floor[:, 2])
-    couplings, near = coupled_momentum(fluid, solid, flow)
-    x, right = np.zeros_like(fluid.position), np.full_like(fluid.position, 500.0)
-    exchange.solve(couplings, near, right, np.inf, 2000, x)
+    couplings, near = coupled_momentum(position, solid, flow)
+    x, right = np.zeros_like(position), np.full_like(position, 500.0)
+    solve(couplings, near, right, np.inf, 2000, x)
     assert near.wall_count[-1] > 9
     np.testing.assert_allclose(x[-1], 500.0 / couplings.diagonal[-1], rtol=1e-15)
     assert couplings.diagonal[-1] > 1001.0
 
 
 def test_nobody_is_solved_for():
-    fluid = fluid_of(np.zeros((0, 3)))
-    couplings, near = coupled_momentum(fluid, NO_WALLS, flow_of(0))
-    assert exchange.solve(couplings, near, np.zeros((0, 3)), 0.0, 10, np.zeros((0, 3))) == 1
+    couplings, near = coupled_momentum(np.zeros((0, 3)), NO_WALLS, flow_of(0))
+    assert solve(couplings, near, np.zeros((0, 3)), 0.0, 10, np.zeros((0, 3))) == 1
 
 
 @pytest.mark.parametrize("columns", [1, 3])
 def test_two_threads_solve_to_the_same_bits_as_one(rng, columns):
     count = 2000
-    fluid = fluid_of(random_patch(3, count, rng, 6.0), velocity=rng.normal(size=(count, 3)))
+    position, velocity = random_patch(3, count, rng, 6.0), rng.normal(size=(count, 3))
     solid = solid_of(random_patch(3, 500, rng, 6.0), depth=0.25, slip=rng.choice([0.0, 1.0], 500))
     viscosity, strength = rng.uniform(0.0, 1e6, (2, count))
     flow = flow_of(count, viscosity=viscosity, strength=strength, ramp=np.ones(count))
@@ -316,11 +330,11 @@ def test_two_threads_solve_to_the_same_bits_as_one(rng, columns):
     try:
         for threads in (1, 2):
             assert set_threads(threads) == threads
-            near, rate = near_of(fluid, solid, LATTICE), np.empty(count)
-            agitation.velocity_gradients(fluid, solid, near, NUMBERS, flow.gradient, rate)
-            couplings, near = coupled_momentum(fluid, solid, flow)
+            near, rate = two_lists(position, solid, LATTICE), np.empty(count)
+            velocity_gradients(velocity, near, solid, flow.gradient, rate)
+            couplings, near = coupled_momentum(position, solid, flow, velocity=velocity)
             x = np.zeros((count, columns))
-            iterations = exchange.solve(couplings, near, right, 1e-12 * np.sum(right**2), 2000, x)
+            iterations = solve(couplings, near, right, 1e-12 * np.sum(right**2), 2000, x)
             found.append((iterations, couplings.diagonal.tobytes(), x.tobytes()))
     finally:
         set_threads(1)
@@ -333,9 +347,8 @@ def test_two_threads_solve_to_the_same_bits_as_one(rng, columns):
 def test_a_wall_resists_with_the_strength_at_the_depth_between(height, slip):
     # over the middle of one wall particle in the first layer of a floor, 0.25 m deep
     down, velocity = np.array([0.0, 0.0, -1.0]), np.array([[0.3, 0.4, 0.0]])
-    fluid = fluid_of(np.array([[0.0, 0.0, height]]), velocity=velocity)
     solid = solid_of(np.array([[0.0, 0.0, -0.25]]), depth=0.25, slip=slip)
-    near = near_of(fluid, solid, LATTICE)
+    near = two_lists(np.array([[0.0, 0.0, height]]), solid, LATTICE)
     flow = flow_of(
         1,
         viscosity=np.array([3.0]),
@@ -345,7 +358,7 @@ def test_a_wall_resists_with_the_strength_at_the_depth_between(height, slip):
         least_viscosity=1e9,  # does not act on walls
     )
     flow.gradient[0, [2, 5]] = 3.0, 4.0  # of another shear rate, of the same direction
-    drag = exchange.wall_drag_at(0, fluid, solid, near, flow, LAW, down, NUMBERS)
+    drag, *_ = wall_drag_at(0, velocity, near, solid, flow, LAW, down)
     r, rate = height + 0.25, 0.5 / height  # of the straight profile down to the surface
     rate = 5.0 * np.sqrt((rate**2 + 0.25) / (25.0 + 0.25))
     w = weight(r)
@@ -353,18 +366,31 @@ def test_a_wall_resists_with_the_strength_at_the_depth_between(height, slip):
     factor = (height + 0.25) / height
     assert drag == pytest.approx(w * mu * factor * (1.0 - slip), rel=1e-12)
     # sideways, as on a side wall, the depth between is that of the particle
-    drag = exchange.wall_drag_at(0, fluid, solid, near, flow, LAW, np.array([1.0, 0, 0]), NUMBERS)
+    drag, *_ = wall_drag_at(0, velocity, near, solid, flow, LAW, np.array([1.0, 0, 0]))
     mu = 3.0 + 0.5 * 100.0 / rate
     assert drag == pytest.approx(w * mu * factor * (1.0 - slip), rel=1e-12)
 
 
+@pytest.mark.parametrize("roughness", [0.0, 0.01])
+def test_a_wall_that_moves_drags_along_and_a_rough_one_takes_no_eddies(roughness):
+    velocity = np.array([[0.5, 0.2, 0.0]])
+    wall = np.array([[2.0, -1.0, 0.0]])
+    solid = solid_of(np.array([[0.0, 0.0, -0.25]]), depth=0.25, roughness=roughness, velocity=wall)
+    near = two_lists(np.array([[0.0, 0.0, 0.25]]), solid, LATTICE)
+    flow = flow_of(1, viscosity=np.array([3.0]), eddies=np.array([2.0]))
+    drag, *pull = wall_drag_at(0, velocity, near, solid, flow, LAW, DOWN)
+    viscosity = 1.0 if roughness else 3.0
+    assert drag == pytest.approx(2.0 * weight(0.5) * viscosity, rel=1e-12)
+    np.testing.assert_allclose(pull, drag * wall[0], rtol=1e-12)
+
+
 def test_what_would_pull_under_a_ceiling_has_no_strength():
-    fluid, down = fluid_of(np.array([[0.0, 0.0, 0.3]])), np.array([0.0, 0.0, 1.0])
+    position, up = np.array([[0.0, 0.0, 0.3]]), np.array([0.0, 0.0, 1.0])
     solid = solid_of(np.array([[0.0, 0.0, -0.25]]), depth=0.25)
     strong = {"strength": np.array([100.0]), "deepening": np.array([800.0]), "ramp": np.ones(1)}
-    near = near_of(fluid, solid, LATTICE)
-    flow = flow_of(1, **strong)
-    assert exchange.wall_drag_at(0, fluid, solid, near, flow, LAW, down, NUMBERS) == 0.0
+    near, velocity = two_lists(position, solid, LATTICE), np.zeros((1, 3))
+    drag, *_ = wall_drag_at(0, velocity, near, solid, flow_of(1, **strong), LAW, up)
+    assert drag == 0.0
 
 
 def test_strength_and_its_growth_with_depth_are_those_of_the_law():
@@ -376,13 +402,12 @@ def test_strength_and_its_growth_with_depth_are_those_of_the_law():
         viscosity=np.array([0.1, 0.2]),
         shear_rate=np.array([4.0, 0.0]),
     )
-    exchange.resist(pressure, weight, SPACING, 0.05, COULOMB, flow)
+    resist(pressure, weight, SPACING, COULOMB, flow)
     np.testing.assert_allclose(flow.ramp, [0.0, 2.0 / 3.0], rtol=1e-12)
     np.testing.assert_allclose(flow.strength, 0.7 * pressure, rtol=1e-13)
     np.testing.assert_allclose(flow.deepening, 0.7 * weight, rtol=1e-11)
-    # with that of eddies; the consistency is one of pairs
-    np.testing.assert_allclose(flow.viscosity, [0.1 + 1000.0 * 0.05**2 * 4.0, 0.2], rtol=1e-12)
-    exchange.resist(pressure, weight, SPACING, 0.05, MUD, flow)
+    np.testing.assert_array_equal(flow.viscosity, [0.1, 0.2])  # the consistency is one of pairs
+    resist(pressure, weight, SPACING, MUD, flow)
     np.testing.assert_array_equal(flow.ramp, 1.0)
     np.testing.assert_allclose(flow.strength, 0.0181 * np.exp(25.7 * c), rtol=1e-13)
     np.testing.assert_array_equal(flow.deepening, 0.0)
@@ -390,13 +415,12 @@ def test_strength_and_its_growth_with_depth_are_those_of_the_law():
 
 def balanced_grains(position, c, is_free, pressure, submerged=SUBMERGED):
     """Return the pressure between grains that balances their weight, with some of it given."""
-    fluid = fluid_of(position)
-    near = near_of(fluid, NO_WALLS, LATTICE)
+    near = two_lists(position, NO_WALLS, LATTICE)
     system, right = empty_couplings(near, is_free), np.empty((len(position), 1))
-    exchange.couple_grains(fluid, near, c, submerged, NUMBERS, system, right)
+    couple_grains(near, c, submerged, system, right)
     x = np.where(is_free, 0.0, pressure)[:, None]
     goal = 1e-24 * np.sum(right[is_free] ** 2)
-    assert exchange.solve(system, near, right, goal, 5000, x) > 0
+    assert solve(system, near, right, goal, 5000, x) > 0
     return x[:, 0]
 
 
@@ -416,11 +440,11 @@ def test_a_linear_pressure_between_grains_is_exact_on_a_disordered_bed(rng, subm
     np.testing.assert_allclose(found, expected, atol=1e-9 * np.ptp(expected))
 
 
-def test_the_balance_of_grains_is_the_sum_over_all_pairs(fluid, rng, period):
-    near, c = near_of(fluid, NO_WALLS, LATTICE, period), rng.uniform(0.0, 0.5, COUNT)
+def test_the_balance_of_grains_is_the_sum_over_all_pairs(position, rng, period):
+    near, c = two_lists(position, NO_WALLS, LATTICE, period), rng.uniform(0.0, 0.5, COUNT)
     system, right = empty_couplings(near), np.empty((COUNT, 1))
-    exchange.couple_grains(fluid, near, c, SUBMERGED, NUMBERS, system, right)
-    r, w = weights(fluid.position, period=period)
+    couple_grains(near, c, SUBMERGED, system, right)
+    r, w = weights(position, period=period)
     distance = np.linalg.norm(r, axis=2)
     distance[distance == 0.0] = np.inf
     a = np.where(w > 0.0, (SPACING / distance) ** 3, 0.0)
@@ -448,17 +472,3 @@ def test_water_above_a_bed_adds_nothing_to_the_pressure_between_grains(rng):
     inner = np.all((under[:, :2] > 1.0) & (under[:, :2] < 2.0), axis=1)
     error = (found[0] - weight * depth)[inner]
     assert np.abs(error).max() < 0.5 * weight * SPACING
-
-
-def test_concentrations_are_those_of_the_semi_implicit_scheme(fluid, rng, period):
-    fraction, level = rng.uniform(0.0, 0.6, (2, COUNT))
-    near = near_of(fluid, NO_WALLS, LATTICE, period)
-    around, at_level = np.empty((2, COUNT))
-    agitation.concentrations(fraction, level, DOWN, fluid, near, NUMBERS, around, at_level)
-    stencil = stencil_of(fluid.position, LATTICE, period=period)
-    expected, leveled = np.empty((2, COUNT))
-    concentration(COUNT, fraction, stencil, expected)
-    level_concentration(COUNT, level, DOWN, stencil, leveled)
-    np.testing.assert_allclose(around, expected, rtol=EXACT)
-    np.testing.assert_allclose(at_level, leveled, rtol=EXACT)
-    assert np.ptp(around - at_level) > 0.01

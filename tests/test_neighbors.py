@@ -1,17 +1,21 @@
-"""Neighbor lists against all pairs, and the stencil that is surveyed from them."""
+"""Neighbor lists against all pairs, and the pairs that kernels read from them."""
 
 import numpy as np
 import pytest
 
 from debrisflow.neighbors.lattice import reference
-from debrisflow.neighbors.lists import SKIN, FixedNeighbors, Neighbors, order_by_cell
+from debrisflow.neighbors.lists import SKIN, FixedNeighbors, Neighbors, group, order_by_cell
+from debrisflow.neighbors.pairs import fluid_pair, weight
+from debrisflow.neighbors.wall_access import wall_pair
 from tests.building import (
     NOWHERE,
     lattice_block,
+    one_list,
     random_patch,
     separations,
-    stencil_of,
+    solid_of,
     times_listed,
+    two_lists,
     within,
 )
 
@@ -46,6 +50,16 @@ def is_all_pairs(near, position, period=NOWHERE):
     """Return whether a list holds each pair within reach once and nothing else."""
     listed = times_listed(near.index, near.count, len(position))
     return np.array_equal(listed, within(position, REACH, period)[: near.count.size])
+
+
+def in_reach(near):
+    """Return how often each fluid particle is a neighbor of each with a weight above 0."""
+    times = np.zeros((near.fluid_count.size, len(near.position)), dtype=int)
+    for i, count in enumerate(near.fluid_count):
+        for k in range(count):
+            j, *_, inverse = fluid_pair(i, k, near)
+            times[i, j] += weight(inverse, near) > 0.0
+    return times
 
 
 @pytest.mark.parametrize(("dimension", "period"), PERIODS)
@@ -114,9 +128,8 @@ def test_nobody_is_missed_before_half_the_skin_is_passed(rng, dimension, period)
     shift *= 0.499 * SKIN * SPACING / np.linalg.norm(shift, axis=1, keepdims=True)
     moved = position + shift
     assert not near.is_stale(moved, 500)
-    stencil = stencil_of(moved, lattice, period=period, near=near)
-    listed = times_listed(stencil.neighbors, stencil.neighbor_count, 500)
-    assert np.array_equal(listed, within(moved, RADIUS, period))
+    pairs = one_list(moved, lattice, period=period, lists=near)
+    assert np.array_equal(in_reach(pairs), within(moved, RADIUS, period))
 
 
 def test_a_list_is_stale_when_one_particle_passed_half_the_skin(rng):
@@ -139,32 +152,45 @@ def test_a_list_is_stale_when_the_number_of_particles_or_rows_changes(rng):
     assert near.is_stale(position, 81)
 
 
+def listed_pairs(near, solid, fluid):
+    """Yield i, j, r_ij and 1 / r of all listed pairs; walls are numbered from ``fluid`` on."""
+    for i, (moving, walls) in enumerate(zip(near.fluid_count, near.wall_count, strict=True)):
+        for k in range(moving):
+            j, *between, inverse = fluid_pair(i, k, near)
+            yield i, j, between, inverse
+        for k in range(walls):
+            j, *between, inverse = wall_pair(i, k, near, solid)
+            yield i, fluid + j, between, inverse
+
+
 @pytest.mark.parametrize(("dimension", "period"), PERIODS)
-def test_the_stencil_holds_the_geometry_of_each_pair(rng, dimension, period):
-    lattice = reference(dimension, RADIUS, SPACING)
+@pytest.mark.parametrize("lists", ["one list", "two lists"])
+def test_kernels_read_the_geometry_of_each_pair(rng, dimension, period, lists):
+    lattice, fluid = reference(dimension, RADIUS, SPACING), 200
     position = random_patch(dimension, 300, rng, LENGTH)
-    stencil = stencil_of(position, lattice, period=period)
-    between = separations(position, period)
-    for i, count in enumerate(stencil.neighbor_count):
-        j = stencil.neighbors[i, :count]
-        found = np.stack([stencil.dx[i, :count], stencil.dy[i, :count], stencil.dz[i, :count]], 1)
+    solid = solid_of(position[fluid:])
+    if lists == "one list":
+        near = one_list(position, lattice, period=period, wall_from=fluid)
+    else:
+        near = two_lists(position[:fluid], solid, lattice, period)
+    rows, between = near.fluid_count.size, separations(position, period)
+    times = np.zeros((rows, 300), dtype=int)
+    for i, j, found, inverse in listed_pairs(near, solid, fluid):
+        times[i, j] += 1
         # differences of positions of order 10 and one period
         np.testing.assert_allclose(found, between[i, j], atol=1e-14)
-        r = np.linalg.norm(between[i, j], axis=1)
-        np.testing.assert_allclose(stencil.inverse[i, :count] * r, 1.0, rtol=1e-12)
+        assert inverse * np.linalg.norm(between[i, j]) == pytest.approx(1.0, rel=1e-12)
+    assert np.array_equal(times, within(position, REACH, period)[:rows])
 
 
 @pytest.mark.parametrize(("dimension", "period"), PERIODS)
 def test_separations_of_a_pair_are_opposite_to_the_bit(rng, dimension, period):
     position = random_patch(dimension, 300, rng, LENGTH)
     position[20:23] = position[4]  # no direction of their own
-    stencil = stencil_of(position, reference(dimension, RADIUS, SPACING), period=period)
+    near = one_list(position, reference(dimension, RADIUS, SPACING), period=period, wall_from=200)
     tables = np.zeros((4, 300, 300))
-    for i, count in enumerate(stencil.neighbor_count):
-        j = stencil.neighbors[i, :count]
-        for table, values in zip(tables, (stencil.dx, stencil.dy, stencil.dz), strict=False):
-            table[i, j] = values[i, :count]
-        tables[3, i, j] = stencil.inverse[i, :count]
+    for i, j, between, inverse in listed_pairs(near, solid_of(position[200:]), 200):
+        tables[:, i, j] = *between, inverse
     for table in tables[:3]:
         assert np.array_equal(table, -table.T)
     assert np.array_equal(tables[3], tables[3].T)
@@ -172,17 +198,20 @@ def test_separations_of_a_pair_are_opposite_to_the_bit(rng, dimension, period):
     assert tables[3, 20, 4] == pytest.approx(1e6 / SPACING)  # kept apart by 1e-6 d0
 
 
-def test_neighbors_that_carry_a_pressure_stand_first(rng):
-    position = random_patch(2, 400, rng, LENGTH)
-    rows = 250
-    stencil = stencil_of(position, reference(2, RADIUS, SPACING), rows=rows)
-    for i, (unknown, count) in enumerate(
-        zip(stencil.unknown_count, stencil.neighbor_count, strict=True)
-    ):
-        assert np.all(stencil.neighbors[i, :unknown] < rows)
-        assert np.all(stencil.neighbors[i, unknown:count] >= rows)
-    listed = times_listed(stencil.neighbors, stencil.neighbor_count, 400)
-    assert np.array_equal(listed, within(position, RADIUS)[:rows])
+@pytest.mark.parametrize(("moving", "pressed"), [(250, 300), (0, 300), (300, 300)])
+def test_what_moves_stands_first_in_a_row_and_then_the_walls_with_a_pressure(rng, moving, pressed):
+    near = built(random_patch(2, 400, rng, LENGTH), rows=pressed)
+    index, count = near.index.copy(), near.count
+    moving_count, pressed_count = np.empty((2, pressed), dtype=np.int32)
+    group(index, count, moving, pressed, moving_count, pressed_count)
+    for i in range(pressed):
+        listed = near.index[i, : count[i]]
+        is_moving, is_other = listed < moving, listed >= pressed
+        is_pressed = ~is_moving & ~is_other
+        # each group in the order of the list
+        expected = [*listed[is_moving], *listed[is_pressed], *listed[is_other]]
+        assert index[i, : count[i]].tolist() == expected
+        assert (moving_count[i], pressed_count[i]) == (is_moving.sum(), is_pressed.sum())
 
 
 @pytest.mark.parametrize(("dimension", "period"), PERIODS)

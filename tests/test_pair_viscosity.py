@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from debrisflow.physics import exchange
+from debrisflow.physics.momentum_exchange import pair_shear_rate, pair_viscosity
 from tests.test_exchange import LAW, flow_of
 
 
 def pair(rate=0.0, law=LAW, **known):
     """Return the viscosity between two particles at a shear rate."""
     flow = flow_of(2, **{k: v if np.isscalar(v) else np.array(v) for k, v in known.items()})
-    found = exchange.pair_viscosity(0, 1, rate, flow, law)
-    assert exchange.pair_viscosity(1, 0, rate, flow, law) == found
+    found = pair_viscosity(0, 1, rate, flow, law)
+    assert pair_viscosity(1, 0, rate, flow, law) == found
     return found
 
 
@@ -50,7 +50,7 @@ def test_the_least_viscosity_adds_nothing_to_what_is_more_viscous():
 def shear_rate_between(gradient, a, difference):
     """Return the shear rate between two particles with gradients, (2, 3, 3) array."""
     one, other = (tuple(g.ravel()) for g in gradient)
-    return exchange.pair_shear_rate(one, other, *(2.0 * a), 0.5, *(2.0 * np.array(difference)))
+    return pair_shear_rate(one, other, *(2.0 * a), 0.5, *(2.0 * np.array(difference)))
 
 
 def plane_shear(*rates):

@@ -6,6 +6,8 @@ from scipy.optimize import brentq
 
 from debrisflow.neighbors.lattice import reference
 from debrisflow.physics.drag import drag_coefficient, freedom
+from debrisflow.physics.images import find_mirrors, no_mirrors
+from debrisflow.physics.momentum_exchange import Flow, couple_momentum, resist
 from debrisflow.physics.rheology import (
     consistency_at,
     consistency_viscosity,
@@ -19,6 +21,7 @@ from debrisflow.physics.rheology import (
 from debrisflow.physics.rheology.bingham import Bingham
 from debrisflow.physics.rheology.mu_i import MuI
 from debrisflow.physics.turbulence import mixing_length, turbulent_viscosity, wall_friction
+from debrisflow.schemes.pair_solver import couplings_of
 from tests import building
 from tests.building import (
     CAPS,
@@ -28,9 +31,9 @@ from tests.building import (
     NO_STRENGTH,
     RAMP,
     WEN_YU,
-    exchange_system,
+    no_solid,
+    one_list,
     random_patch,
-    stencil_of,
 )
 
 COULOMB = building.COULOMB._replace(
@@ -280,25 +283,33 @@ def test_grains_lose_their_freedom_towards_the_packing():
 
 @pytest.mark.parametrize("law", [COULOMB, BEADS, BINGHAM, HERSCHEL_BULKLEY, MUD])
 def test_what_one_particle_loses_the_other_gains(law):
-    rng = np.random.default_rng(2)
-    stencil = stencil_of(random_patch(2, 150, rng, length=8.0), reference(2, 3.1, 1.0))
-    density = rng.choice([1000.0, 2650.0], 150)
-    system, _ = exchange_system(
-        stencil,
-        random_patch(2, 150, rng),
-        density,
-        0.01,
-        law,
-        viscosity=rng.uniform(0, 10.0, 150),
-        turbulent_viscosity=rng.uniform(0, 10.0, 150),
-        concentration=rng.uniform(0, 0.5, 150),
-        shear_rate=rng.uniform(0, 50.0, 150),
-        grain_pressure=rng.uniform(0, 1e3, 150),
+    rng, count = np.random.default_rng(2), 150
+    near = one_list(random_patch(2, count, rng, length=8.0), reference(2, 3.1, 1.0))
+    density, c = rng.choice([1000.0, 2650.0], count), rng.uniform(0, 0.5, count)
+    flow = Flow(
+        density=density,
+        concentration=c,
+        consistency=consistency_at(c, law),
+        viscosity=rng.uniform(0, 10.0, count),
+        eddies=np.zeros(count),
+        strength=np.empty(count),
+        deepening=np.empty(count),
+        ramp=np.empty(count),
+        shear_rate=rng.uniform(0, 50.0, count),
+        gradient=rng.normal(size=(count, 9)).astype(np.float32),
+        least_viscosity=0.0,
     )
-    coupling = np.zeros((150, 150))
-    for i, count in enumerate(system.entries):
-        coupling[i, system.columns[i, :count]] = system.value[i, :count]
+    resist(rng.uniform(0, 1e3, count), np.zeros(count), 1.0, law, flow)
+    system, right = couplings_of(near, np.ones(count, dtype=bool)), np.zeros((count, 3))
+    velocity, mirrors = random_patch(2, count, rng), no_mirrors(count)
+    find_mirrors(near, no_solid(), mirrors)
+    down = np.array([0.0, -1.0, 0.0])
+    couple_momentum(0.01, velocity, near, no_solid(), flow, mirrors, law, down, system, right)
+    assert not right.any()
+    coupling = np.zeros((count, count))
+    for i, listed in enumerate(near.fluid_count):
+        coupling[i, near.neighbors[i, :listed]] = system.value[i, :listed]
     assert np.all(coupling >= 0.0)
-    # mean values of pairs, in another order
-    np.testing.assert_allclose(coupling, coupling.T, rtol=1e-12)
-    np.testing.assert_allclose(system.diagonal, density + coupling.sum(axis=1), rtol=1e-12)
+    assert coupling.max() > 0.0
+    np.testing.assert_array_equal(coupling, coupling.T)  # to the bit, in single precision
+    np.testing.assert_allclose(system.diagonal, density + coupling.sum(axis=1), rtol=1e-6)

@@ -19,6 +19,8 @@ from debrisflow.physics.contact import collide
 from debrisflow.physics.drag import drag_coefficient
 from debrisflow.run import checkpoint, loop
 from debrisflow.schemes.linear import Solver
+from debrisflow.schemes.terms.pressure import PressureEquation
+from debrisflow.space.gravity import gravity_vector
 from tests.building import (
     WEN_YU,
     advance,
@@ -26,10 +28,11 @@ from tests.building import (
     energy_of,
     lattice_block,
     momentum_of,
-    no_walls,
+    no_solid,
+    one_list,
     settling_case,
+    solid_of,
     started,
-    stencil_of,
     tank_case,
 )
 from tests.test_checkpoint import identical
@@ -60,7 +63,8 @@ def test_a_step_that_fails_leaves_the_state_as_it_was(monkeypatch):
     p = state.particles
     fresh = ("concentration", "granular_temperature", "number_density", "on_free_surface")
     before = {n: v.copy() for n, v in p.arrays().items() if n not in fresh}
-    monkeypatch.setattr(scheme._pressure_solver, "solve", lambda *_: -1)
+    (equation,) = (term for term in scheme.terms if isinstance(term, PressureEquation))
+    monkeypatch.setattr(equation.solver, "solve", lambda *_: -1)
     with pytest.raises(NotConvergedError):
         scheme.step(state, dt)
     for name, values in before.items():
@@ -88,7 +92,7 @@ def drift_of_a_drop(scheme, state, until):
     p = state.particles
     before, mass = momentum_of(p), p.density[p.fluid].sum()
     advance(scheme, state, until=until)
-    expected = before + mass * scheme.gravity * state.time
+    expected = before + mass * gravity_vector(scheme.case) * state.time
     return np.abs(momentum_of(state.particles) - expected).max() / np.abs(expected).max()
 
 
@@ -105,13 +109,14 @@ def noise_of(state, gravity):
 )
 def test_a_free_drop_gains_the_momentum_of_gravity_alone(rng, tables):
     scheme, state = dropped(rng, **tables)
-    noise = noise_of(state, scheme.gravity)
+    gravity = gravity_vector(scheme.case)
+    noise = noise_of(state, gravity)
     assert drift_of_a_drop(scheme, state, until=0.1) < 1e-12  # rounding of 100 steps
     p = state.particles
     assert p.fluid_count == 144
     assert p.position[p.fluid, 1].min() > 0.8
     # there was something to conserve: pressure and collisions have stopped the noise
-    assert noise_of(state, scheme.gravity) < 0.6 * noise
+    assert noise_of(state, gravity) < 0.6 * noise
 
 
 @pytest.mark.parametrize(
@@ -189,13 +194,13 @@ def test_without_a_law_of_drag_nothing_slips():
     assert not p.owed_displacement.any()
 
 
-def collided(position, velocity, density, restitution, walls=None, wall_from=None):
+def collided(position, velocity, density, restitution, solid=None):
     """Return velocities after the collisions of particles with the spacing 1."""
-    stencil = stencil_of(position, reference(2, 3.1, 1.0), wall_from=wall_from)
-    count = stencil.wall_from
-    after = velocity.copy()
-    walls = no_walls(len(position)) if walls is None else walls
-    collide(count, velocity, density, walls, 0.9, restitution, stencil, after)
+    solid = no_solid() if solid is None else solid
+    everyone = np.concatenate([position, solid.position])
+    near = one_list(everyone, reference(2, 3.1, 1.0), wall_from=len(position))
+    after = np.full_like(velocity, np.nan)
+    collide(velocity, density, 0.9, restitution, near, solid, after)
     return after
 
 
@@ -231,15 +236,13 @@ def test_two_particles_part_with_their_restitution(restitution):
 
 
 def test_a_wall_stops_what_comes_near_and_lets_it_slide():
-    position = np.array([[0.0, 0.3, 0.0], [0.2, -0.5, 0.0]])
-    walls = no_walls(2)
-    walls.normal[1, 1], walls.depth[1] = 1.0, 0.5
-    velocity = np.array([[1.0, -2.0, 0.0], [0.0, 0.0, 0.0]])
-    density = np.full(2, 1000.0)
-    after = collided(position, velocity, density, 0.2, walls, wall_from=1)
+    position, wall = np.array([[0.0, 0.3, 0.0]]), np.array([[0.2, -0.5, 0.0]])
+    solid = solid_of(wall, (0.0, 1.0, 0.0), depth=0.5, velocity=0.0)
+    velocity, density = np.array([[1.0, -2.0, 0.0]]), np.full(1, 1000.0)
+    after = collided(position, velocity, density, 0.2, solid)
     np.testing.assert_allclose(after[0], [1.0, 0.4, 0.0], rtol=1e-15)
     position[0, 1] = 0.45  # farther than 0.9 d0 less half a spacing
-    after = collided(position, velocity, density, 0.2, walls, wall_from=1)
+    after = collided(position, velocity, density, 0.2, solid)
     assert np.array_equal(after, velocity)
 
 
@@ -326,8 +329,8 @@ counts = [(sum(k.stats.cache_misses.values()), sum(k.stats.cache_hits.values()))
 print(*map(sum, zip(*counts)), _jit.CACHE_DIRECTORY)
 """
 DENSITY = """
-n = np.empty(64)
-operators.number_density(stencil_of(lattice_block(2, 8), reference(2, 3.1, 1.0)), n, n.copy())
+near = one_list(lattice_block(2, 8), reference(2, 3.1, 1.0))
+operators.number_density(near, no_solid(), np.empty(64))
 """
 STEPS = "advance(*started(bed_case()), steps=2)\n"
 EXPLICIT_STEPS = """

@@ -2,41 +2,50 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-from debrisflow.particles.record import Particles
-from debrisflow.particles.state import State
+from debrisflow.case import tables
 from debrisflow.schemes.semi_implicit import SemiImplicit
+from debrisflow.schemes.terms.grain_pressure import GrainPressure
+from debrisflow.schemes.terms.momentum_exchange import MomentumExchange
+from debrisflow.schemes.terms.pressure import PressureEquation
+from debrisflow.schemes.terms.term import Step, Term
 
-Floats = NDArray[np.float64]
+
+class _Share(Term):
+    """The share of the pressure of the mixture that grains carry by their buoyant weight."""
+
+    name = "grain pressure"
+
+    def __init__(self, case: tables.Case) -> None:
+        self._water = case.water.density
+        self._excess = case.sediment.density - case.water.density
+        self._packing_limit = case.sediment.packing_limit
+
+    def act(self, step: Step) -> None:
+        p, walls = step.particles, slice(step.particles.fluid_count, step.particles.unknown_count)
+        buoyant = step.scene.level[p.fluid] * self._excess
+        limit = self._packing_limit * self._excess
+        p.grain_pressure[:] = 0.0
+        p.grain_pressure[p.fluid] = buoyant / (buoyant + self._water) * p.pressure[p.fluid]
+        p.grain_pressure[walls] = limit / (limit + self._water) * p.pressure[walls]
 
 
 class ShareOfPressure(SemiImplicit):
     """Grains carry their share of the pressure of the mixture, water on top of them included."""
 
-    def _balance_grains(self, p: Particles) -> None:
-        water = self.case.water.density
-        buoyant = self._level_concentration * (self.case.sediment.density - water)
-        p.grain_pressure[:] = 0.0
-        p.grain_pressure[p.fluid] = buoyant / (buoyant + water) * p.pressure[p.fluid]
-        m = p.unknown_count
-        limit = self.case.sediment.packing_limit * (self.case.sediment.density - water)
-        p.grain_pressure[p.fluid_count : m] = (
-            limit / (limit + water) * p.pressure[p.fluid_count : m]
+    def __init__(self, case: tables.Case) -> None:
+        super().__init__(case)
+        share = _Share(case)
+        self.terms = tuple(
+            share if isinstance(term, GrainPressure) else term for term in self.terms
         )
 
 
 class FrictionBeforeProjection(SemiImplicit):
     """Friction acts on the predicted velocity, and the pressure has the last word."""
 
-    def step(self, state: State, dt: float) -> int:
-        self._dt = dt
-        return super().step(state, dt)
-
-    def _collide(self, p: Particles, velocity: Floats) -> Floats:
-        self._balance_grains(p)
-        return super()._exchange_momentum(p, super()._collide(p, velocity), self._dt)
-
-    def _exchange_momentum(self, p: Particles, velocity: Floats, dt: float) -> Floats:
-        return velocity
+    def __init__(self, case: tables.Case) -> None:
+        super().__init__(case)
+        friction = [t for t in self.terms if isinstance(t, GrainPressure | MomentumExchange)]
+        others = [term for term in self.terms if term not in friction]
+        (projection,) = (k for k, t in enumerate(others) if isinstance(t, PressureEquation))
+        self.terms = (*others[:projection], *friction, *others[projection:])

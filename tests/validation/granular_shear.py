@@ -13,10 +13,14 @@ from numpy.typing import NDArray
 
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
+from debrisflow.neighbors.pairs import fluid_pair
+from debrisflow.neighbors.wall_access import wall_pair
 from debrisflow.particles.state import State, initial_state
 from debrisflow.physics.collision_stress import collision_force_at
 from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, radial_distribution
 from debrisflow.schemes.semi_implicit import SemiImplicit
+from debrisflow.schemes.terms.collision_stress import PhaseCollisions
+from debrisflow.schemes.terms.term import Scene
 
 Floats = NDArray[np.float64]
 HEIGHT, GRAIN, RESTITUTION, ROCK = 0.1, 0.01, 0.7, 2650.0
@@ -90,44 +94,51 @@ def plane_shear(rows: int = 20, rate: float = 10.0, temperature: str = "algebrai
     temperatures, stresses, rates = [], [], []
     for number in range(20):
         advance(scheme, state, (4.0 + 0.1 * number) / rate)
-        scheme.observe(state)
+        scene = scheme.observe(state)
         y = p.position[p.fluid, 1]
         middle = np.abs(y - 0.5 * HEIGHT) < 0.25 * HEIGHT
         slope = np.polyfit(y[middle], p.velocity[p.fluid, 0][middle], 1)[0]
         balance = (GRAIN * slope) ** 2 / (15.0 * (1.0 - RESTITUTION))
         temperatures.append(p.granular_temperature[p.fluid][middle].mean() / balance)
-        stresses.append(virial(scheme, state, middle))
+        (collisions,) = (term for term in scheme.terms if isinstance(term, PhaseCollisions))
+        stresses.append(virial(collisions, scene, middle))
         rates.append(slope)
     shear, pressure = np.mean(stresses, axis=0)
     return PlaneShear(float(np.mean(temperatures)), float(shear / pressure))
 
 
-def virial(scheme: SemiImplicit, state: State, chosen: NDArray[np.bool_]) -> tuple[float, float]:
+def virial(
+    collisions: PhaseCollisions, scene: Scene, chosen: NDArray[np.bool_]
+) -> tuple[float, float]:
     """Return shear stress and pressure, Pa, from the forces on the chosen particles.
 
     ``-1/2 sum of f_ij (x) r_ij`` a particle, whose volume is 1 here, each pair's force taken alone
     from the kernel.  The shear stress is what carries momentum along x through planes of y: as a
     Laplacian the viscous stress is ``mu grad u``, not its symmetric part.
     """
-    stencil, p = scheme._stencil, state.particles
-    assert stencil is not None
-    fraction, (pressure, viscosity) = p.sediment_fraction, scheme._collisions
+    near, solid = scene.near, scene.solid
+    assert near.wall_start is not None
+    fraction = scene.particles.sediment_fraction[scene.particles.moving]
+    rows = near.fluid_count.size
+    lone, one, none = (
+        np.zeros((rows, 1), np.int32),
+        np.ones(rows, np.int32),
+        np.zeros(rows, np.int32),
+    )
+    in_fluid = near._replace(neighbors=lone, fluid_count=one, wall_count=none)
+    at_wall = near._replace(wall=lone, wall_start=none, fluid_count=none, wall_count=one)
     shear, normal = [], []
     for i in np.flatnonzero(chosen):
         found = np.zeros((2, 2))
-        for k in range(stencil.neighbor_count[i]):
-            alone = stencil._replace(
-                neighbors=stencil.neighbors[:, k : k + 1],
-                neighbor_count=np.ones_like(stencil.neighbor_count),
-                dx=stencil.dx[:, k : k + 1],
-                dy=stencil.dy[:, k : k + 1],
-                dz=stencil.dz[:, k : k + 1],
-                inverse=stencil.inverse[:, k : k + 1],
-            )
+        for k in range(near.fluid_count[i] + near.wall_count[i]):
+            lone[i, 0] = near.neighbors[i, k]
+            is_fluid = k < near.fluid_count[i]
+            alone = in_fluid if is_fluid else at_wall
             force = collision_force_at(
-                i, p.fluid_count, p.velocity, fraction, pressure, viscosity, scheme._walls, alone
+                i, scene.velocity, fraction, collisions.pressure, collisions.viscosity, alone, solid
             )
-            found += 0.5 * np.outer(force[:2], (stencil.dx[i, k], stencil.dy[i, k]))
+            _, dx, dy, *_ = fluid_pair(i, 0, alone) if is_fluid else wall_pair(i, 0, alone, solid)
+            found += 0.5 * np.outer(force[:2], (dx, dy))
         shear.append(found[0, 1])
         normal.append(-0.5 * np.trace(found))
     return float(np.mean(shear)), float(np.mean(normal))

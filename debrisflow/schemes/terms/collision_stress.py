@@ -109,7 +109,7 @@ class MixtureCollisions(CollisionStress):
         viscous = (
             inf
             if self._is_implicit
-            else _viscous_step(scene.viscosity, p.density[rows], self._spacing)
+            else viscous_step(scene.viscosity, p.density[rows], self._spacing)
         )
         return min(
             viscous,
@@ -124,7 +124,13 @@ class MixtureCollisions(CollisionStress):
 
 
 class PhaseCollisions(CollisionStress):
-    """Colliding grains among particles of sediment and water: an explicit force between grains."""
+    """Colliding grains among particles of sediment and water: an explicit force between grains.
+
+    Attributes
+    ----------
+    pressure, viscosity : (moving particles,) float64 array, Pa, Pa s
+        Of the grains; 0 where there are none.
+    """
 
     def observe(self, scene: Scene) -> None:
         """Write the temperature of the grains, and find their stress and its acceleration.
@@ -135,23 +141,23 @@ class PhaseCollisions(CollisionStress):
         self._find_temperature(scene, c)
         fraction, n = p.sediment_fraction[rows], np.empty(rows.stop)
         number_density(scene.near, scene.solid, n)
-        self._pressure, self._viscosity = np.empty(rows.stop), np.zeros(rows.stop)
+        self.pressure, self.viscosity = np.empty(rows.stop), np.zeros(rows.stop)
         collide_grains(
             np.where(fraction > 0.0, c, 0.0),
             self._grains,
             scene.near.number_density,
             n,
             p.granular_temperature[rows],
-            self._pressure,
-            self._viscosity,
+            self.pressure,
+            self.viscosity,
         )
         scene.collision_acceleration = np.empty((p.fluid_count, 3))
         collision_acceleration(
             scene.velocity,
             p.density,
             fraction,
-            self._pressure,
-            self._viscosity,
+            self.pressure,
+            self.viscosity,
             scene.near,
             scene.solid,
             scene.collision_acceleration,
@@ -162,8 +168,8 @@ class PhaseCollisions(CollisionStress):
         p, fluid = scene.particles, scene.particles.fluid
         density, c = p.density[fluid], self._concentration(scene)[fluid]
         return min(
-            _viscous_step(self._viscosity[fluid], density, self._spacing),
-            largest_pressure_step(c, density, self._pressure[fluid], self._spacing, self._grains),
+            viscous_step(self.viscosity[fluid], density, self._spacing),
+            largest_pressure_step(c, density, self.pressure[fluid], self._spacing, self._grains),
         )
 
     def act(self, step: Step) -> None:
@@ -172,7 +178,7 @@ class PhaseCollisions(CollisionStress):
         step.velocity[fluid] += step.dt * step.scene.collision_acceleration
 
 
-def _viscous_step(viscosity: Floats, density: Floats, spacing: float) -> float:
+def viscous_step(viscosity: Floats, density: Floats, spacing: float) -> float:
     """Return ``0.2 d0^2 rho / mu``, the time step that an explicit viscosity allows, s."""
     diffusivity = float(np.max(viscosity / density, initial=0.0))
     return VISCOUS_LIMIT * spacing**2 / diffusivity if diffusivity > 0.0 else inf
