@@ -200,7 +200,8 @@ def test_the_acceleration_is_the_sum_over_all_pairs(position, fluid, solid, peri
     approach, mean = np.sum(u_ij * r, axis=2), 0.5 * (rho[None] + rho[:, None])
     artificial = LAPLACIAN * mean * 0.05 * 20.0 * SPACING * approach
     along = (artificial - GRADIENT * (p[None] + p[:, None])) * w / d**2
-    drag = LAPLACIAN * 0.5 * (mu[None] + mu[:, None]) * w
+    harmonic = 2.0 * mu[None] * mu[:, None] / (mu[None] + mu[:, None])
+    drag = LAPLACIAN * harmonic * w
     force = np.einsum("ij,ijk->ik", along, r) + np.einsum("ij,ijk->ik", drag, u_ij)
     balanced = np.einsum("ijk,jk->ij", r_wall, numbers.gravity - solid.driving)
     p_wall = np.maximum(fluid.pressure[:, None] + rho[:, None] * balanced, 0.0)

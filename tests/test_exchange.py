@@ -184,6 +184,10 @@ def mean(values):
     return 0.5 * (values[None] + values[:, None])
 
 
+def harmonic(values):
+    return 2.0 * values[None] * values[:, None] / (values[None] + values[:, None])
+
+
 def expected_matrix(position, velocity, solid, flow, period):
     """Return the matrix of the exchange from sums over all pairs."""
     r, w = weights(position, period=period)
@@ -193,7 +197,7 @@ def expected_matrix(position, velocity, solid, flow, period):
     rate = shear_rates(mean(gradient), r, difference)
     share = np.minimum(flow.ramp[None], flow.ramp[:, None])
     strength = share * mean(flow.strength)
-    mu = mean(flow.viscosity) + yielding(strength, rate)
+    mu = harmonic(flow.viscosity) + yielding(strength, rate)
     if flow.consistency is not None:
         mu += share * thinning(mean(flow.consistency), rate)
     coefficient = DT * w * np.maximum(mu, flow.least_viscosity)

@@ -21,6 +21,7 @@ from debrisflow.neighbors.pairs import (
 )
 from debrisflow.neighbors.wall_access import height_over, wall_pair, wall_velocity_difference
 from debrisflow.physics.contact import bounce_at, impulse, impulse_share
+from debrisflow.physics.rheology import harmonic_mean
 
 Floats = NDArray[np.float64]
 INTERIOR = 0.94  # n/n0 above which the density follows the summed one
@@ -203,9 +204,9 @@ def acceleration_at(i, fluid, near, solid, numbers):
         -(1/rho0) (Ds/n0) sum of (P_i + P_j) r_ij w / r^2
         + (2 Ds/(lambda n0)) sum of [alpha c d0 (u_ij . e) e + nu_ij u_ij] w + g
 
-    with P the pressure of fluid and grains and nu_ij the mean viscosity of the pair.  The sum form
-    of the pressure conserves momentum, and is never attractive since P >= 0; the study's form (14)
-    is not needed then.  A wall neighbor has the pressure of the fluid
+    with P the pressure of fluid and grains and nu_ij the harmonic mean of the pair's viscosities.
+    The sum form of the pressure conserves momentum, and is never attractive since P >= 0; the
+    study's form (14) is not needed then.  A wall neighbor has the pressure of the fluid
     ``max(p_i + rho_i (g - g_d) . r_ij, 0)``, g_d being what drives the flow along the wall, of
     which the wall would bear a share; and that of the grains of i.  It exchanges momentum by
     viscosity where it is no-slip; the artificial viscosity does not act on walls, where it would be
@@ -231,7 +232,7 @@ def acceleration_at(i, fluid, near, solid, numbers):
         p = total_i + fluid.total_pressure[j]
         rho_j = density_of(j, fluid.density, numbers)
         line = (damping * (rho + rho_j) * along - push * p) * weighed * inverse * inverse
-        drag = 0.5 * pull * (mu_i + fluid.viscosity[j]) * weighed
+        drag = pull * harmonic_mean(mu_i, fluid.viscosity[j]) * weighed
         ax += line * dx + drag * du
         ay += line * dy + drag * dv
         az += line * dz + drag * dw

@@ -25,8 +25,7 @@ def harmonic_mean(a, b):
     >>> harmonic_mean(1.0, 3.0), harmonic_mean(0.0, 0.0)
     (1.5, 0.0)
     """
-    total = a + b
-    return 2.0 * a * b / total if total > 0.0 else 0.0
+    return 2.0 * a * b / max(a + b, 1e-300)  # without a branch
 
 
 @by_law
