@@ -16,7 +16,7 @@ from debrisflow.physics.collision_stress import collision_force_at
 from debrisflow.physics.compressible import acceleration_at, density_rate_at
 from debrisflow.physics.concentration import concentrations
 from debrisflow.physics.contact import collisions_at
-from debrisflow.physics.grain_pressure import assemble_grain_pressure, couple_grains
+from debrisflow.physics.grain_pressure import couple_grains
 from debrisflow.physics.granular_temperature import (
     fluctuation_temperature_at,
     neighborhood_temperature_at,
@@ -25,7 +25,7 @@ from debrisflow.physics.operators import gradient_at, number_density_at, velocit
 from debrisflow.physics.pressure import source_sums_at
 from debrisflow.physics.viscosity import viscous_force_at
 from debrisflow.schemes.linear import Solver
-from debrisflow.schemes.pair_solver import Couplings, solve
+from debrisflow.schemes.pair_solver import couplings_of, solve_pairs
 from debrisflow.schemes.system import empty_system
 from tests.building import (
     NOWHERE,
@@ -44,7 +44,7 @@ SPACING, COUNT, SUPPLY = 0.5, 300, 40
 SIDE = {2: 11.0 * SPACING, 3: 9.0 * SPACING}  # more than three radii of the list
 NOTHING, NO_WALLS = no_solid(), solid_of(np.zeros((0, 3)))  # of one list, of two
 GRAVITY = np.array([2.0, -9.0, 0.0])
-SINGLE = 2.0**-23  # the coefficients of the explicit scheme are kept in single precision
+SINGLE = 2.0**-23  # the coefficients between pairs are kept in single precision
 EXACT = 1e-12  # one rounding of each of some 50 terms, relative to the greatest
 
 
@@ -241,15 +241,10 @@ def test_granular_temperature(patch, rng):
     assert_alike(each(fluctuation_temperature_at, *given, patch.two), fluctuation)
 
 
-def couplings_of(patch, c, is_free):
+def balance_of_grains(near, c, is_free):
     """Return the static balance of grains over pairs, and its right side."""
-    couplings = Couplings(
-        value=np.full(patch.two.neighbors.shape, np.nan, np.float32),
-        diagonal=np.full(COUNT, np.nan),
-        is_free=is_free,
-    )
-    right = np.full((COUNT, 1), np.nan)
-    couple_grains(patch.two, c, 1650.0 * GRAVITY, couplings, right)
+    couplings, right = couplings_of(near, is_free), np.full((COUNT, 1), np.nan)
+    couple_grains(near, c, 1650.0 * GRAVITY, couplings, right)
     return couplings, right
 
 
@@ -262,33 +257,31 @@ def dense(columns, value, count, diagonal):
 
 
 def test_static_weight_of_grains(patch, rng):
-    c, nobody = rng.uniform(0.2, 0.5, COUNT), np.zeros(COUNT, dtype=bool)
-    system = empty_system(*patch.one.neighbors.shape)
-    assemble_grain_pressure(c, 0.1, nobody, 1650.0, GRAVITY, patch.one, NOTHING, system)
-    expected = dense(system.columns, system.value, system.entries, system.diagonal)
-    couplings, right = couplings_of(patch, c, ~nobody)
-    found = dense(patch.two.neighbors, couplings.value, patch.two.fluid_count, couplings.diagonal)
-    # a particle that touches none has a row of its own in both
-    touches = np.count_nonzero(expected, axis=1) > 1
-    assert np.count_nonzero(touches) > 0.9 * COUNT
-    np.testing.assert_allclose(found[touches], expected[touches], rtol=SINGLE)
-    scale = (np.abs(expected) @ np.full(COUNT, 0.5 * 1650.0 * 9.3 * 3.1 * SPACING))[touches]
-    error = np.abs(right[:, 0] - system.right)[touches]
-    np.testing.assert_array_less(error, SINGLE * scale)
+    r, d, w = patch.pairs
+    c, everyone = rng.uniform(0.2, 0.5, COUNT), np.ones(COUNT, dtype=bool)
+    a = np.where(w > 0.0, (SPACING / d) ** 3, 0.0)
+    pushed = a * 0.5 * (c[None] + c[:, None]) * (r @ GRAVITY) * 1650.0
+    for near in (patch.one, patch.two):
+        couplings, right = balance_of_grains(near, c, everyone)
+        found = dense(near.neighbors, couplings.value, near.fluid_count, couplings.diagonal)
+        expected = np.diag(np.maximum(a.sum(axis=1), 1e-6)) - a
+        np.testing.assert_allclose(found, expected, rtol=SINGLE)
+        error = np.abs(right[:, 0] + pushed.sum(axis=1))
+        np.testing.assert_array_less(error, SINGLE * np.abs(pushed).sum(axis=1) + 1e-300)
 
 
 def test_conjugate_gradients(patch, rng):
-    is_free = rng.random(COUNT) < 0.9
-    couplings, right = couplings_of(patch, rng.uniform(0.2, 0.5, COUNT), is_free)
+    is_free, near = rng.random(COUNT) < 0.9, patch.two
+    couplings, right = balance_of_grains(near, rng.uniform(0.2, 0.5, COUNT), is_free)
     couplings.diagonal[:] += 0.1  # of groups too in which nothing is given
     start = np.where(is_free, 0.0, 1e3 * rng.normal(size=COUNT))
     over_pairs = start[:, None].copy()
     goal = 1e-28 * np.sum(right[is_free] ** 2)
-    assert solve(couplings, patch.two, right, goal, 2000, over_pairs) > 0
-    system = empty_system(*patch.two.neighbors.shape)
-    system.columns[:] = patch.two.neighbors
+    solve_pairs("the balance", couplings, near, right, goal, over_pairs)
+    system = empty_system(*near.neighbors.shape)
+    system.columns[:] = near.neighbors
     system.value[:] = couplings.value
-    system.entries[:] = np.where(is_free, patch.two.fluid_count, 0)
+    system.entries[:] = np.where(is_free, near.fluid_count, 0)
     system.diagonal[:] = np.where(is_free, couplings.diagonal, 1.0)
     system.right[:] = np.where(is_free, right[:, 0], start)
     in_rows = start.copy()
