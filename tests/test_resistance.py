@@ -273,7 +273,7 @@ def kept_by(error, spoil):
 
 def test_an_exchange_that_is_not_solved_ends_the_step_before_it_spoils_the_state(monkeypatch):
     def spoil(scheme, p):
-        monkeypatch.setattr("debrisflow.schemes.terms.mixture_exchange.MOST_ITERATIONS", 0)
+        monkeypatch.setattr("debrisflow.schemes.pair_solver.MOST_ITERATIONS", 0)
 
     kept_by(NotConvergedError, spoil)
 

@@ -17,9 +17,14 @@ from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.record import Particles
 from debrisflow.physics.contact import collide
 from debrisflow.physics.drag import drag_coefficient
+from debrisflow.physics.viscosity import viscous_acceleration
 from debrisflow.run import checkpoint, loop
 from debrisflow.schemes.linear import Solver
+from debrisflow.schemes.terms.collision_stress import PhaseCollisions
+from debrisflow.schemes.terms.gravity import Gravity
 from debrisflow.schemes.terms.pressure import PressureEquation
+from debrisflow.schemes.terms.term import Step
+from debrisflow.schemes.terms.viscosity import ExplicitViscosity
 from debrisflow.space.gravity import gravity_vector
 from tests.building import (
     WEN_YU,
@@ -76,6 +81,28 @@ def test_a_step_that_fails_leaves_the_state_as_it_was(monkeypatch):
         which.stable_dt(now)
         which.step(now, 0.5 * dt)
     assert identical(state, whole)
+
+
+def test_forces_before_the_projection_add_up(rng):
+    scheme, state = started(settling_case(water={"viscosity": 0.5}))
+    p, dt = state.particles, 1e-3
+    p.velocity[p.fluid, :2] = rng.normal(size=(p.fluid_count, 2))
+    scene = scheme.observe(state)
+    step = Step(scene, dt, p.velocity[p.moving].copy(), p.pressure.copy())
+    for term in scheme.terms:
+        if isinstance(term, Gravity | ExplicitViscosity | PhaseCollisions):
+            term.act(step)
+    viscous = np.empty((p.fluid_count, 3))
+    viscous_acceleration(
+        scene.velocity, p.density, scene.viscosity, scene.near, scene.solid, viscous
+    )
+    collisions = scene.collision_acceleration
+    expected = p.velocity[p.fluid] + dt * (gravity_vector(scheme.case) + viscous + collisions)
+    for part in (viscous, collisions):
+        assert np.abs(part).max() > 1.0
+    # one rounding of each part, relative to the greatest
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(step.velocity[p.fluid], expected, rtol=0.0, atol=1e-14 * scale)
 
 
 def dropped(rng, **tables):
@@ -296,6 +323,17 @@ def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
     assert len(outputs) == 5 + 3  # frames; deposit, history and maxima
     for name in outputs:
         assert (whole / name).read_bytes() == (rest / name).read_bytes(), name
+
+
+def test_the_first_frame_has_the_free_surface_that_the_first_step_finds():
+    scheme, state = started(tank_case(12, 10, "water"))
+    scheme.fill_number_density(state)
+    p, rows = state.particles, slice(0, state.particles.unknown_count)
+    n, on_free_surface = p.number_density[rows].copy(), p.on_free_surface[rows].copy()
+    assert 12 <= on_free_surface[p.fluid].sum() < 3 * 12
+    scheme.step(state, 1e-9)
+    np.testing.assert_allclose(p.number_density[rows], n, rtol=1e-13)
+    np.testing.assert_array_equal(p.on_free_surface[rows], on_free_surface)
 
 
 def test_still_water_stays_in_its_tank():

@@ -27,6 +27,15 @@ Floats = NDArray[np.float64]
 LIMIT = 0.2  # of the time step, in spacings over the speed of the grains' pressure waves
 
 
+@kernel
+def _collide_grains(first, last, c, grains, n0, n, temperature, pressure, viscosity):
+    for i in range(first, last):
+        clipped = min(c[i], grains.largest_concentration)
+        inside = min(max(5.0 * (n[i] / n0 - 0.8), 0.0), 1.0)
+        pressure[i] = inside * granular_pressure(clipped, temperature[i], grains)
+        viscosity[i] += granular_viscosity(clipped, temperature[i], grains)
+
+
 @loop
 def collide_grains(c, grains, n0, n, temperature, pressure, viscosity):
     """Write the pressure, Pa, of colliding grains and add their viscosity, Pa s, to what is there.
@@ -44,11 +53,9 @@ def collide_grains(c, grains, n0, n, temperature, pressure, viscosity):
     pressure, viscosity : (n,) float64 array, Pa, Pa s
         Written.
     """
-    for i in prange(n.size):
-        clipped = min(c[i], grains.largest_concentration)
-        inside = min(max(5.0 * (n[i] / n0 - 0.8), 0.0), 1.0)
-        pressure[i] = inside * granular_pressure(clipped, temperature[i], grains)
-        viscosity[i] += granular_viscosity(clipped, temperature[i], grains)
+    for block in prange((n.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n.size)
+        _collide_grains(first, last, c, grains, n0, n, temperature, pressure, viscosity)
 
 
 @kernel

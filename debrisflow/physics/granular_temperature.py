@@ -21,6 +21,13 @@ def is_grain(j, fraction, near):
     return 1.0 if fraction[j] > 0.0 and j < near.supply_from else 0.0
 
 
+@kernel
+def _algebraic(first, last, rate, fraction, grains, temperature):
+    for i in range(first, last):
+        found = algebraic_temperature(rate[i], grains)
+        temperature[i] = found if fraction[i] > 0.0 else 0.0
+
+
 @loop
 def algebraic_temperatures(rate, fraction, grains, temperature):
     """Write the temperature of grains at the shear rate around them, (n,) array, m2/s2.
@@ -28,9 +35,9 @@ def algebraic_temperatures(rate, fraction, grains, temperature):
     See :func:`debrisflow.physics.kinetic_theory.algebraic_temperature`; 0 where there is no grain.
     Independent of the spacing but for how well the shear is resolved.
     """
-    for i in prange(temperature.size):
-        found = algebraic_temperature(rate[i], grains)
-        temperature[i] = found if fraction[i] > 0.0 else 0.0
+    for block in prange((temperature.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, temperature.size)
+        _algebraic(first, last, rate, fraction, grains, temperature)
 
 
 @kernel

@@ -80,15 +80,21 @@ def resist_at(i, pressure, deeper, spacing, law, flow):
     flow.deepening[i] = (yield_strength(deeper, c, shear_rate, law) - flow.strength[i]) / spacing
 
 
+@kernel
+def _resist(first, last, pressure, weight, spacing, law, flow):
+    for i in range(first, last):
+        resist_at(i, pressure[i], pressure[i] + spacing * weight[i], spacing, law, flow)
+
+
 @loop
 def resist(pressure, weight, spacing, law, flow):
     """Write what resists the shear of every particle into a flow that holds the other viscosities.
 
     ``pressure``, Pa, is that between grains, ``weight``, N/m3, what they carry.
     """
-    for i in prange(np.uint64(pressure.size)):
-        deeper = pressure[i] + spacing * weight[i]
-        resist_at(i, pressure[i], deeper, spacing, law, flow)
+    for block in prange((pressure.size + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, pressure.size)
+        _resist(first, last, pressure, weight, spacing, law, flow)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from debrisflow.schemes.terms.grain_pressure import GrainPressure
 from debrisflow.schemes.terms.momentum_exchange import MomentumExchange
@@ -15,24 +15,20 @@ class _Share(Term):
 
     name = "grain pressure"
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         self._water = case.water.density
         self._excess = case.sediment.density - case.water.density
-        self._packing_limit = case.sediment.packing_limit
 
     def act(self, step: Step) -> None:
-        p, walls = step.particles, slice(step.particles.fluid_count, step.particles.unknown_count)
-        buoyant = step.scene.level[p.fluid] * self._excess
-        limit = self._packing_limit * self._excess
-        p.grain_pressure[:] = 0.0
-        p.grain_pressure[p.fluid] = buoyant / (buoyant + self._water) * p.pressure[p.fluid]
-        p.grain_pressure[walls] = limit / (limit + self._water) * p.pressure[walls]
+        p, rows = step.particles, step.particles.moving
+        buoyant = step.scene.level * self._excess
+        p.grain_pressure[rows] = buoyant / (buoyant + self._water) * p.pressure[rows]
 
 
 class ShareOfPressure(SemiImplicit):
     """Grains carry their share of the pressure of the mixture, water on top of them included."""
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         super().__init__(case)
         share = _Share(case)
         self.terms = tuple(
@@ -43,7 +39,7 @@ class ShareOfPressure(SemiImplicit):
 class FrictionBeforeProjection(SemiImplicit):
     """Friction acts on the predicted velocity, and the pressure has the last word."""
 
-    def __init__(self, case: tables.Case) -> None:
+    def __init__(self, case: ResolvedCase) -> None:
         super().__init__(case)
         friction = [t for t in self.terms if isinstance(t, GrainPressure | MomentumExchange)]
         others = [term for term in self.terms if term not in friction]
