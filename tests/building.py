@@ -14,6 +14,8 @@ from debrisflow.particles.maxima import no_maxima
 from debrisflow.particles.state import State, initial_state
 from debrisflow.physics.compressible import Fluid, Numbers
 from debrisflow.physics.drag import DragLaw
+from debrisflow.physics.operators import strain_rate, velocity_gradient_at
+from debrisflow.physics.rheology import consistency_at, power_law_viscosity
 from debrisflow.physics.rheology.coulomb import Coulomb
 from debrisflow.physics.rheology.herschel_bulkley import HerschelBulkley
 from debrisflow.physics.rheology.none import NoStrength
@@ -349,3 +351,14 @@ def momentum_of(particles):
 def energy_of(density, velocity):
     """Return the kinetic energy of particles in particle volumes, J/m3."""
     return 0.5 * float(density @ np.sum(velocity**2, axis=1))
+
+
+def shear_rate_at(i, velocity, near, solid):
+    """Return the shear rate at a particle, 1/s."""
+    return strain_rate(*velocity_gradient_at(i, velocity, near, solid))
+
+
+def consistency_viscosity(concentration, shear_rate, law):
+    """Return what the consistency of a law adds to the viscosity, Pa s."""
+    consistency = consistency_at(concentration, law)
+    return 0.0 if consistency is None else power_law_viscosity(consistency, shear_rate, law)

@@ -8,7 +8,6 @@ from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.pairs import weight
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.physics import compressible
-from debrisflow.physics.operators import shear_rate_at
 from tests.building import (
     NOWHERE,
     RADII,
@@ -18,6 +17,7 @@ from tests.building import (
     one_list,
     random_patch,
     separations,
+    shear_rate_at,
     solid_of,
     two_lists,
 )

@@ -10,13 +10,12 @@ import pytest
 from debrisflow.case.materials import Sediment, Water, bulk_density, buoyant_share
 from debrisflow.case.strength import LAWS, Coulomb
 from debrisflow.physics.rheology import (
-    consistency_viscosity,
     ramp,
     yield_strength,
     yielding_viscosity,
 )
 from debrisflow.schemes.records import law_of
-from tests.building import tank_case
+from tests.building import consistency_viscosity, tank_case
 
 WATER, ROCK = Water(density=1000.0), Sediment(density=2500.0)
 WET, DRY = Coulomb(type="coulomb"), Coulomb(type="coulomb", saturated=False)

@@ -11,7 +11,6 @@ from debrisflow.physics.operators import (
     gradient_at,
     number_density,
     number_density_at,
-    shear_rate_at,
 )
 from debrisflow.physics.viscosity import viscous_acceleration, viscous_force_at
 from debrisflow.schemes.system import empty_system
@@ -22,6 +21,7 @@ from tests.building import (
     no_solid,
     one_list,
     random_patch,
+    shear_rate_at,
     solid_of,
     within,
 )

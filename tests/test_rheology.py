@@ -10,7 +10,6 @@ from debrisflow.physics.images import find_mirrors, no_mirrors
 from debrisflow.physics.momentum_exchange import Flow, couple_momentum, resist
 from debrisflow.physics.rheology import (
     consistency_at,
-    consistency_viscosity,
     friction,
     harmonic_mean,
     power_law_viscosity,
@@ -31,6 +30,7 @@ from tests.building import (
     NO_STRENGTH,
     RAMP,
     WEN_YU,
+    consistency_viscosity,
     no_solid,
     one_list,
     random_patch,

@@ -170,12 +170,6 @@ def velocity_gradient_at(i, velocity, near, solid):
 
 
 @kernel
-def shear_rate_at(i, velocity, near, solid):
-    """Return the shear rate of :func:`velocity_gradient_at`, 1/s."""
-    return strain_rate(*velocity_gradient_at(i, velocity, near, solid))
-
-
-@kernel
 def _velocity_gradients(first, last, velocity, near, solid, gradient, rate):
     for i in range(first, last):
         found = velocity_gradient_at(i, velocity, near, solid)

@@ -58,18 +58,6 @@ def consistency_at(concentration, law):
 
 
 @by_law
-def consistency_viscosity(concentration, shear_rate, law):
-    """Return ``K rate^(n - 1)``, Pa s, without the ramp; capped, as is the strength.
-
-    It comes on top of the Newtonian viscosity.
-    """
-    consistency = consistency_at(concentration, law)
-    if consistency is None:
-        return 0.0
-    return power_law_viscosity(consistency, shear_rate, law)
-
-
-@by_law
 def power_law_viscosity(consistency, shear_rate, law):
     """Return ``K rate^(n - 1)``, Pa s, of a consistency, capped; 0 of a law that has none."""
     return 0.0
