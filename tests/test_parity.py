@@ -244,6 +244,7 @@ def test_granular_temperature(patch, rng):
 def balance_of_grains(near, c, is_free):
     """Return the static balance of grains over pairs, and its right side."""
     couplings, right = couplings_of(near, is_free), np.full((COUNT, 1), np.nan)
+    couplings.value[:] = 0.0  # beyond the end of a row too
     couple_grains(near, c, 1650.0 * GRAVITY, couplings, right)
     return couplings, right
 
