@@ -210,6 +210,7 @@ def numbers_of(lattice, **changes):
         smooth_steepness=lattice.smooth_steepness,
         density=1000.0,
         sound_speed=20.0,
+        viscosity=0.0,
         gravity=np.array([1.0, 2.0, -9.0]),
         diffusion=0.1,
         relaxation=0.1,

@@ -11,6 +11,20 @@ import pytest
 if int(os.environ.get("NUMBA_NUM_THREADS", os.cpu_count() or 1)) < 2:
     os.environ["NUMBA_NUM_THREADS"] = "2"
 
+RUNGS = ("slow", "validation")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark tests by the folder that they stand in; what stands in none of these is fast."""
+    here = Path(__file__).parent
+    for item in items:
+        if here in item.path.parents:
+            folder = item.path.relative_to(here).parts[0]
+            if folder in RUNGS:
+                item.add_marker(folder)
+
+
 TANK = """
 title = "a column of water"
 particles = { spacing = 0.01 }

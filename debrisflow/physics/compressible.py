@@ -42,8 +42,8 @@ class Fluid(NamedTuple):
     density : (n,) float64 array, kg/m3, or None
         Of matter that is not compressed; None where all have that of :class:`Numbers`, for which
         kernels are compiled that are a fifth faster.
-    viscosity : (n,) float64 array, Pa s
-        Newtonian and of colliding grains; 0 where momentum is exchanged implicitly instead.
+    viscosity : (n,) float64 array, Pa s, or None
+        Newtonian and of colliding grains; None where all have that of :class:`Numbers`.
     """
 
     velocity: Floats
@@ -51,7 +51,7 @@ class Fluid(NamedTuple):
     pressure: Floats
     total_pressure: Floats
     density: Floats | None
-    viscosity: Floats
+    viscosity: Floats | None
 
 
 class Numbers(NamedTuple):
@@ -63,6 +63,8 @@ class Numbers(NamedTuple):
         m0 and its growth with the density, see :class:`debrisflow.neighbors.lattice.Reference`.
     density, sound_speed : float, kg/m3, m/s
         rho0, that of the heaviest matter, and c, its speed of sound.
+    viscosity : float, Pa s
+        Of all matter, where it is the same; 0 where momentum is exchanged implicitly instead.
     gravity : (3,) float64 array, m/s2
     diffusion, relaxation : float, -, s
         delta, and the time in which s follows n.
@@ -75,6 +77,7 @@ class Numbers(NamedTuple):
     smooth_steepness: float
     density: float
     sound_speed: float
+    viscosity: float
     gravity: Floats
     diffusion: float
     relaxation: float
@@ -195,6 +198,18 @@ def advance_density(dt, fluid, near, solid, numbers, n, compression, pressure):
 
 
 @kernel
+def viscosity_of(i, viscosity, numbers):
+    """Return the viscosity of particle i, Pa s."""
+    return numbers.viscosity if viscosity is None else viscosity[i]
+
+
+@kernel
+def mean_viscosity(mu_i, j, viscosity):
+    """Return the harmonic mean of a viscosity and that of particle j, Pa s."""
+    return mu_i if viscosity is None else harmonic_mean(mu_i, viscosity[j])
+
+
+@kernel
 def acceleration_at(i, fluid, near, solid, numbers):
     """Return acceleration, m/s2, change of velocity by collisions, m/s, and contacts of particle i.
 
@@ -221,7 +236,7 @@ def acceleration_at(i, fluid, near, solid, numbers):
         laplacian_factor(near),
     )
     damping = 0.5 * pull * numbers.artificial_viscosity * numbers.sound_speed * near.spacing
-    total_i, mu_i = fluid.total_pressure[i], fluid.viscosity[i]
+    total_i, mu_i = fluid.total_pressure[i], viscosity_of(i, fluid.viscosity, numbers)
     grains_i = total_i - fluid.pressure[i]
     ax, ay, az, cx, cy, cz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(near.fluid_count[i]):
@@ -232,7 +247,7 @@ def acceleration_at(i, fluid, near, solid, numbers):
         p = total_i + fluid.total_pressure[j]
         rho_j = density_of(j, fluid.density, numbers)
         line = (damping * (rho + rho_j) * along - push * p) * weighed * inverse * inverse
-        drag = pull * harmonic_mean(mu_i, fluid.viscosity[j]) * weighed
+        drag = pull * mean_viscosity(mu_i, j, fluid.viscosity) * weighed
         ax += line * dx + drag * du
         ay += line * dy + drag * dv
         az += line * dz + drag * dw

@@ -70,7 +70,7 @@ class Explicit(Scheme):
             collisions if stress.enabled else None,
             Eddies(case) if is_implicit else None,
             self._density,
-            Forces(numbers, is_even, is_viscous=not is_implicit),
+            Forces(numbers, is_even, is_even and not stress.enabled, not is_implicit),
             grains,
             MomentumExchange(case, gravity, RESIDUAL, least) if is_implicit else None,
             self._motion,

@@ -9,7 +9,7 @@ import numpy as np
 
 from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.lattice import Reference
-from debrisflow.particles.matter import reference_density
+from debrisflow.particles.matter import concentrations, reference_density
 from debrisflow.physics.compressible import Numbers
 from debrisflow.physics.drag import DragLaw
 from debrisflow.physics.kinetic_theory import Grains
@@ -59,6 +59,13 @@ def drag_of(case: ResolvedCase) -> DragLaw:
     )
 
 
+def _viscosities(case: ResolvedCase) -> set[float]:
+    """Return the Newtonian viscosities of what a case is filled with and supplied by, Pa s."""
+    return {
+        case.mixture.viscosity if c > 0.0 else case.water.viscosity for c in concentrations(case)
+    }
+
+
 def numbers_of(case: ResolvedCase, lattice: Reference) -> Numbers:
     """Return the constants of the explicit scheme of a case."""
     scheme = case.explicit_scheme
@@ -67,6 +74,7 @@ def numbers_of(case: ResolvedCase, lattice: Reference) -> Numbers:
         smooth_steepness=lattice.smooth_steepness,
         density=reference_density(case),
         sound_speed=scheme.sound_speed,
+        viscosity=max(_viscosities(case)),
         gravity=gravity_vector(case),
         diffusion=scheme.density_diffusion,
         relaxation=scheme.density_relaxation,

@@ -11,7 +11,9 @@ from debrisflow.schemes.terms.term import Scene
 Floats = NDArray[np.float64]
 
 
-def fluid_of(scene: Scene, is_even: bool, pressure: Floats | None = None) -> Fluid:
+def fluid_of(
+    scene: Scene, is_even: bool, has_one_viscosity: bool, pressure: Floats | None = None
+) -> Fluid:
     """Return the record of fluid and supply at the beginning of a step.
 
     Parameters
@@ -19,6 +21,8 @@ def fluid_of(scene: Scene, is_even: bool, pressure: Floats | None = None) -> Flu
     scene : Scene
     is_even : bool
         Whether all matter has the density of the numbers of the scheme.
+    has_one_viscosity : bool
+        Whether all matter has the viscosity of the numbers of the scheme.
     pressure : (moving particles,) float64 array, Pa, optional
         That of the particles if left out.
     """
@@ -30,5 +34,5 @@ def fluid_of(scene: Scene, is_even: bool, pressure: Floats | None = None) -> Flu
         pressure=own,
         total_pressure=own + p.collision_pressure[rows],
         density=None if is_even else p.density[rows],
-        viscosity=scene.viscosity,
+        viscosity=None if has_one_viscosity else scene.viscosity,
     )
