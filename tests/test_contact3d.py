@@ -159,8 +159,8 @@ def test_each_particle_collides_at_its_own_concentration_and_agitation():
     full = np.full(2, n0)
     collide_grains(c, GRAINS, n0, full, temperature, pressure, viscosity)
     for i in range(2):
-        alone = collided_grains(c[i], temperature[i], [1.0], viscosity=0.0)
-        assert (pressure[i], viscosity[i]) == (alone[0][0], alone[1][0])
+        alike = collided_grains(c[i], temperature[i], [1.0, 1.0], viscosity=0.0)
+        assert (pressure[i], viscosity[i]) == (alike[0][i], alike[1][i])
 
 
 def after_collision(position, velocity, restitution, density=None):

@@ -193,16 +193,17 @@ def test_collisions(patch, rng, has_supply):
 
 
 def test_viscous_force(patch, rng):
-    # of equal viscosities: the schemes take different means
-    viscosity, density = np.full(COUNT, 7.0), rng.uniform(1000.0, 2650.0, COUNT)
+    viscosity, density = rng.uniform(0.1, 10.0, COUNT), rng.uniform(1000.0, 2650.0, COUNT)
     found = each(viscous_force_at, patch.velocity, viscosity, patch.one, NOTHING)
     known = {"velocity": patch.velocity, "viscosity": viscosity}
     acceleration, _ = accelerations(patch, density, **known)
     assert_alike(density[:, None] * acceleration, found)
     _, _, w = patch.pairs
     n0, lambda_ = patch.lattice.number_density, patch.lattice.laplacian_lambda
-    factor = 2.0 * patch.dimension / (lambda_ * n0) * 7.0
-    assert_alike(found, factor * np.einsum("ij,ijk->ik", w, patch.differences))
+    fluidity = 1.0 / viscosity
+    mean = 2.0 / (fluidity[None] + fluidity[:, None])  # of the plane between two layers
+    factor = 2.0 * patch.dimension / (lambda_ * n0) * mean
+    assert_alike(found, np.einsum("ij,ijk->ik", factor * w, patch.differences))
 
 
 def test_sum_gradient(patch, rng):
@@ -216,8 +217,8 @@ def test_sum_gradient(patch, rng):
 
 
 def test_collision_stress(patch, rng):
-    # all hold sediment: between mixtures grains collide everywhere
-    pressure, viscosity = rng.uniform(0.0, 1e3, COUNT), rng.uniform(0.0, 10.0, COUNT)
+    # all hold sediment, as mixtures do, and are as viscous: phases take another mean
+    pressure, viscosity = rng.uniform(0.0, 1e3, COUNT), np.full(COUNT, 7.0)
     density, everywhere = rng.uniform(1000.0, 2650.0, COUNT), np.ones(COUNT)
     stress = patch.velocity, everywhere, pressure, viscosity
     found = each(collision_force_at, *stress, patch.one, NOTHING)

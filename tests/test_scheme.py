@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from debrisflow._jit import CACHE_DIRECTORY, set_threads
+from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.errors import NotConvergedError
 from debrisflow.neighbors.lattice import reference
@@ -173,7 +174,7 @@ def passing_phases(law, c=0.3, speed=0.2):
     plain["geometry"] |= {"periodic": True, "ceiling": True}
     plain["fill"][0]["sediment_share"] = c
     plain["time"] |= {"largest_step": None}
-    scheme, state = started(complete(type(case).model_validate(plain)))
+    scheme, state = started(complete(Case.model_validate(plain)))
     p = state.particles
     is_rock = p.sediment_fraction[p.fluid] > 0
     p.velocity[p.fluid, 0] = np.where(is_rock, speed * (1 - c), -speed * c)

@@ -168,3 +168,12 @@ def solve_pairs(
     if iterations < 0:
         raise NotConvergedError(name)
     return iterations
+
+
+def left_undone(system: Couplings, near: Near, right: Floats, x: Floats) -> Floats:
+    """Return the sum of the residual ``right - A x`` over all unknowns, (m,) float64 array."""
+    product = np.empty_like(x)
+    partial = np.zeros(((x.shape[0] + BLOCK - 1) // BLOCK, 2))
+    _multiply(system, near, x, product, partial)
+    rest: Floats = np.sum(right - product, axis=0, where=system.is_free[:, None])
+    return rest

@@ -10,7 +10,7 @@ from debrisflow.particles.record import Particles
 from debrisflow.physics.images import find_mirrors, no_mirrors
 from debrisflow.physics.momentum_exchange import Flow, couple_momentum, resist
 from debrisflow.physics.rheology import consistency_at
-from debrisflow.schemes.pair_solver import couplings_of, solve_pairs
+from debrisflow.schemes.pair_solver import couplings_of, left_undone, solve_pairs
 from debrisflow.schemes.records import law_of
 from debrisflow.schemes.terms.grain_pressure import grain_weight
 from debrisflow.schemes.terms.term import Scene, Step, Term
@@ -81,6 +81,10 @@ class MomentumExchange(Term):
             "the exchange of momentum", system, scene.near, right, goal, solution
         )
         step.iterations = step.iterations or iterations
+        if p.fluid_count > 0:
+            # what the solver left undone is given back evenly, so that no momentum is lost
+            undone = left_undone(system, scene.near, right, solution)
+            solution[p.fluid] += undone / p.density[p.fluid].sum()
         self._gain = solution - started
         step.velocity = solution
 
