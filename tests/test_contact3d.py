@@ -153,14 +153,16 @@ def test_plane_shear_has_the_stress_ratio_of_kinetic_theory(restitution):
         assert ratio == pytest.approx(0.4 * np.sqrt(15 * (1 - restitution) / np.pi), rel=1e-13)
 
 
-def test_each_particle_collides_at_its_own_concentration_and_agitation():
+def test_each_particle_collides_at_its_own_concentration_and_temperature():
     c, temperature, n0 = np.array([0.1, 0.4]), np.array([0.2, 0.05]), LATTICE.number_density
     pressure, viscosity = np.empty(2), np.zeros(2)
     full = np.full(2, n0)
     collide_grains(c, GRAINS, n0, full, temperature, pressure, viscosity)
     for i in range(2):
         alike = collided_grains(c[i], temperature[i], [1.0, 1.0], viscosity=0.0)
-        assert (pressure[i], viscosity[i]) == (alike[0][i], alike[1][i])
+        # the last digit depends on the place in a vector of the processor
+        assert pressure[i] == pytest.approx(alike[0][i], rel=1e-14)
+        assert viscosity[i] == pytest.approx(alike[1][i], rel=1e-14)
 
 
 def after_collision(position, velocity, restitution, density=None):

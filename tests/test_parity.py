@@ -217,8 +217,8 @@ def test_sum_gradient(patch, rng):
 
 
 def test_collision_stress(patch, rng):
-    # all hold sediment, as mixtures do, and are as viscous: phases take another mean
-    pressure, viscosity = rng.uniform(0.0, 1e3, COUNT), np.full(COUNT, 7.0)
+    # all hold sediment, as mixtures do
+    pressure, viscosity = rng.uniform(0.0, 1e3, COUNT), rng.uniform(0.0, 7.0, COUNT)
     density, everywhere = rng.uniform(1000.0, 2650.0, COUNT), np.ones(COUNT)
     stress = patch.velocity, everywhere, pressure, viscosity
     found = each(collision_force_at, *stress, patch.one, NOTHING)

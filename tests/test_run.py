@@ -14,6 +14,7 @@ from debrisflow.particles.record import Kind
 from debrisflow.run import checkpoint, loop
 from debrisflow.run.measures import energies
 from debrisflow.schemes.semi_implicit import SemiImplicit
+from debrisflow.schemes.terms.term import Term
 from tests.building import advance, bed_case, started, tank_case
 from tests.test_checkpoint import identical
 
@@ -45,16 +46,23 @@ def test_the_supply_carries_its_sediment_from_the_first_column():
     assert abs(entered[Kind.SEDIMENT] - 0.2 * entered.sum()) <= 1.0
 
 
-def test_a_velocity_that_is_no_number_ends_the_run_before_it_spoils_the_state(monkeypatch):
+class Fault(Term):
+    """A term that spoils one velocity."""
+
+    name = "fault"
+
+    def act(self, step):
+        step.velocity[3, 0] = np.nan
+
+
+def test_a_velocity_that_is_no_number_ends_the_run_before_it_spoils_the_state():
     scheme, state = started(tank_case(6, 6, "water"))
     advance(scheme, state, steps=2)
     scheme.observe(state)
     before = state.particles.position.copy()
 
-    def fail(p, velocity, dt, solved):
-        velocity[3, 0] = np.nan
-
-    monkeypatch.setattr(scheme, "_correct", fail)
+    *others, motion = scheme.terms
+    scheme.terms = (*others, Fault(), motion)
     with pytest.raises(DivergedError, match=r"particle \d+ at .* got the velocity"):
         scheme.step(state, 1e-4)
     np.testing.assert_array_equal(state.particles.position, before)

@@ -410,3 +410,15 @@ def test_a_second_process_compiles_nothing(work, is_fresh, tmp_path):
     assert hits > 0
     assert files == first_files
     assert len(files) > hits  # an index and the code of each kernel, at least
+
+
+def test_what_sinks_through_the_floor_before_a_recess_is_lost_at_once():
+    scheme, state = started(bed_case())
+    p = state.particles
+    advance(scheme, state, steps=1)
+    lost = int(np.argmax(p.position[p.fluid, 1]))
+    p.position[lost, :2] = 0.1, -0.05  # the floor is at 0 there, the bottom of the recess at -0.1
+    identity = p.id[lost]
+    advance(scheme, state, steps=1)
+    assert state.through_wall.sum() == 1
+    assert identity not in p.id

@@ -318,7 +318,7 @@ class Neighbors:
     >>> line = np.array([[0.0, 0, 0], [1.0, 0, 0], [3.0, 0, 0]])
     >>> near = Neighbors(1.5, 1.0, np.zeros(3))
     >>> near.build(line, rows=3)
-    >>> near.count.tolist(), near.neighbors[0, 0]
+    >>> near.count.tolist(), near.index[0, 0]
     ([1, 1, 0], np.int32(1))
     """
 

@@ -75,7 +75,7 @@ class Particles:
         rho / rho0 - 1 of a weakly compressible fluid.
     on_free_surface : (n,) bool array
     wall : (n,) int8 array
-        Index into ``geometry.wall_names``; -1 for what is not a wall.
+        Index into ``debrisflow.space.domain.wall_names``; -1 for what is not a wall.
     wall_normal : (n, 3) float64 array
         Unit normal out of the wall; 0 for what is not a wall.
     wall_depth : (n,) float64 array, m

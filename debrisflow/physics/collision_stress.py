@@ -22,6 +22,7 @@ from debrisflow.physics.kinetic_theory import (
     granular_viscosity,
     radial_distribution,
 )
+from debrisflow.physics.rheology import harmonic_mean
 
 Floats = NDArray[np.float64]
 LIMIT = 0.2  # of the time step, in spacings over the speed of the grains' pressure waves
@@ -62,8 +63,8 @@ def collide_grains(c, grains, n0, n, temperature, pressure, viscosity):
 def collision_force_at(i, velocity, fraction, pressure, viscosity, near, solid):
     """Return ``-div P_s`` of particle i, N/m3, what equation (3) of the solid has beyond (2).
 
-    Pressure in the conservative sum form, shear as a Laplacian with the mean viscosity of the
-    pair; both act between particles that hold sediment and are opposite on the two.  A no-slip
+    Pressure in the conservative sum form, shear as a Laplacian with the harmonic mean viscosity of
+    the pair; both act between particles that hold sediment and are opposite on the two.  A no-slip
     wall shears the grains as if its bumps were grains; their pressure on it is left to the fluid's.
     """
     push, pull = gradient_factor(near), laplacian_factor(near)
@@ -74,7 +75,7 @@ def collision_force_at(i, velocity, fraction, pressure, viscosity, near, solid):
         j, dx, dy, dz, inverse = fluid_pair(i, k, near)
         weighed = is_grain(j, fraction, near) * weight(inverse, near)
         f = push * (p_i + pressure[j]) * weighed * inverse * inverse
-        s = pull * 0.5 * (mu_i + viscosity[j]) * weighed
+        s = pull * harmonic_mean(mu_i, viscosity[j]) * weighed
         x += s * (velocity[j, 0] - u) - f * dx
         y += s * (velocity[j, 1] - v) - f * dy
         z += s * (velocity[j, 2] - w) - f * dz

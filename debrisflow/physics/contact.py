@@ -113,8 +113,16 @@ def is_inside_wall_at(i, near, solid):
     return False
 
 
+@kernel
+def _find_inside_walls(first, last, near, solid, inside):
+    for i in range(first, last):
+        inside[i] = is_inside_wall_at(i, near, solid)
+
+
 @loop
 def find_inside_walls(near, solid, inside):
     """Write which fluid particles went into a wall, (n,) bool array."""
-    for i in prange(np.uint64(inside.size)):
-        inside[i] = is_inside_wall_at(i, near, solid)
+    n = inside.size
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _find_inside_walls(first, last, near, solid, inside)

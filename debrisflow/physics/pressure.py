@@ -333,8 +333,16 @@ def correct(dt, pressure, density, with_walls, near, solid, velocity):
         _correct(first, last, dt, pressure, density, with_walls, near, solid, velocity)
 
 
+@kernel
+def _least_pressure(first, last, pressure, near, solid, least):
+    for i in range(first, last):
+        least[i] = least_neighbor_value_at(i, pressure, near, solid)
+
+
 @loop
 def least_pressure(pressure, near, solid, least):
     """Write the least pressure among each unknown and its neighbors, (m,) float64 array, Pa."""
-    for i in prange(np.uint64(least.size)):
-        least[i] = least_neighbor_value_at(i, pressure, near, solid)
+    n = least.size
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _least_pressure(first, last, pressure, near, solid, least)

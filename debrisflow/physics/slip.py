@@ -35,7 +35,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.pairs import fluid_pair, weight
+from debrisflow.neighbors.pairs import BLOCK, fluid_pair, weight
 from debrisflow.physics.concentration import SELF_WEIGHT
 from debrisflow.physics.drag import drag_coefficient, freedom
 from debrisflow.physics.operators import gradient_at
@@ -79,20 +79,36 @@ def surroundings_at(i, fraction, near):
     return (share / total if total > 0.0 else fraction[i]), total, own
 
 
-@loop
-def survey_surroundings(fraction, smoothed, near, share, weights, c):
-    """Write the arrays of :class:`Surroundings` from phases and smoothed concentration."""
-    for i in prange(np.uint64(share.size)):
+@kernel
+def _survey_surroundings(first, last, fraction, smoothed, near, share, weights, c):
+    for i in range(first, last):
         share[i], weights[i], own = surroundings_at(i, fraction, near)
         own = min(own, 0.5)
         c[i] = min(max((smoothed[i] - own * fraction[i]) / (1.0 - own), 0.0), 1.0)
 
 
 @loop
+def survey_surroundings(fraction, smoothed, near, share, weights, c):
+    """Write the arrays of :class:`Surroundings` from phases and smoothed concentration."""
+    n = share.size
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _survey_surroundings(first, last, fraction, smoothed, near, share, weights, c)
+
+
+@kernel
+def _pressure_gradient(first, last, pressure, near, solid, gradient):
+    for i in range(first, last):
+        gradient[i, 0], gradient[i, 1], gradient[i, 2] = gradient_at(i, pressure, True, near, solid)
+
+
+@loop
 def pressure_gradient(pressure, near, solid, gradient):
     """Write the sum-form gradient of the pressure, (n, 3) float64 array, Pa/m."""
-    for i in prange(np.uint64(gradient.shape[0])):
-        gradient[i, 0], gradient[i, 1], gradient[i, 2] = gradient_at(i, pressure, True, near, solid)
+    n = gradient.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _pressure_gradient(first, last, pressure, near, solid, gradient)
 
 
 @kernel
@@ -156,14 +172,26 @@ def drive_at(i, gradient, everywhere, thrown, fraction, rock, water, near):
     return x, y, z
 
 
-@loop
-def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, near, u_r, force):
-    """Advance the relative velocity of all fluid particles and write ``K u_r``, N/m3.
-
-    Where the grains touch or are held, K is divided by what freedom they have.
-    """
-    everywhere = np.ones(c.size)
-    for i in prange(np.uint64(c.size)):
+@kernel
+def _advance(
+    first,
+    last,
+    dt,
+    gradient,
+    thrown,
+    fraction,
+    c,
+    part,
+    owed,
+    drag,
+    rock,
+    water,
+    near,
+    u_r,
+    force,
+    everywhere,
+):
+    for i in range(first, last):
         drive = drive_at(i, gradient, everywhere, thrown, fraction, rock, water, near)
         speed = np.sqrt(u_r[i, 0] ** 2 + u_r[i, 1] ** 2 + u_r[i, 2] ** 2)
         resistance = drag_coefficient(c[i], speed, drag) / (
@@ -173,6 +201,36 @@ def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, ne
         force[i, 0] = resistance * u_r[i, 0]
         force[i, 1] = resistance * u_r[i, 1]
         force[i, 2] = resistance * u_r[i, 2]
+
+
+@loop
+def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, near, u_r, force):
+    """Advance the relative velocity of all fluid particles and write ``K u_r``, N/m3.
+
+    Where the grains touch or are held, K is divided by what freedom they have.
+    """
+    everywhere = np.ones(c.size)
+    n = c.size
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _advance(
+            first,
+            last,
+            dt,
+            gradient,
+            thrown,
+            fraction,
+            c,
+            part,
+            owed,
+            drag,
+            rock,
+            water,
+            near,
+            u_r,
+            force,
+            everywhere,
+        )
 
 
 @kernel
@@ -196,14 +254,22 @@ def drag_at(i, force, fraction, weights, near):
     return x, y, z
 
 
-@loop
-def drag_phases(dt, force, density, fraction, weights, near, velocity):
-    """Add ``dt / rho`` times the drag to the velocity of the fluid particles."""
-    for i in prange(np.uint64(weights.size)):
+@kernel
+def _drag_phases(first, last, dt, force, density, fraction, weights, near, velocity):
+    for i in range(first, last):
         x, y, z = drag_at(i, force, fraction, weights, near)
         velocity[i, 0] += dt * x / density[i]
         velocity[i, 1] += dt * y / density[i]
         velocity[i, 2] += dt * z / density[i]
+
+
+@loop
+def drag_phases(dt, force, density, fraction, weights, near, velocity):
+    """Add ``dt / rho`` times the drag to the velocity of the fluid particles."""
+    n = weights.size
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _drag_phases(first, last, dt, force, density, fraction, weights, near, velocity)
 
 
 @kernel

@@ -11,7 +11,6 @@ from debrisflow.particles.state import State
 from debrisflow.physics.pressure import find_free_surface
 from debrisflow.schemes.records import drag_of
 from debrisflow.schemes.scheme import Scheme
-from debrisflow.schemes.system import SystemRoom
 from debrisflow.schemes.terms.collision_stress import PhaseCollisions
 from debrisflow.schemes.terms.concentration import Concentration
 from debrisflow.schemes.terms.contact import Contact
@@ -50,7 +49,7 @@ class SemiImplicit(Scheme):
         self.terms = self._terms(case, case.semi_implicit_scheme)
 
     def _terms(self, case: ResolvedCase, scheme: ResolvedScheme) -> tuple[Term, ...]:
-        gravity, room, strength = gravity_vector(case), SystemRoom(), case.strength
+        gravity, strength = gravity_vector(case), case.strength
         has_strength = not isinstance(strength, NoStrength)
         has_collisions = case.collision_stress.enabled
         slip = None
@@ -60,7 +59,7 @@ class SemiImplicit(Scheme):
         is_sheared = has_strength or (
             has_collisions and case.collision_stress.granular_temperature == "algebraic"
         )
-        self._pressure = PressureEquation(scheme, case.dimension, room)
+        self._pressure = PressureEquation(scheme, case.dimension)
         terms = (
             Gravity(gravity),
             Concentration(gravity / (np.linalg.norm(gravity) or 1.0), is_even=False),

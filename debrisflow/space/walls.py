@@ -55,7 +55,7 @@ class WallPoints(NamedTuple):
     layer : (n,) int array
         1 for the layer at the surface, which carries pressure; larger for dummies.
     name : (n,) int array
-        Index into :func:`wall_names`.
+        Index into :func:`debrisflow.space.domain.wall_names`.
     normal : (n, 3) float64 array
         Unit vector out of the wall at the nearest point of its surface.
     depth : (n,) float64 array, m

@@ -143,7 +143,7 @@ class PhaseCollisions(CollisionStress):
         number_density(scene.near, scene.solid, n)
         self.pressure, self.viscosity = np.empty(rows.stop), np.zeros(rows.stop)
         collide_grains(
-            np.where(fraction > 0.0, c, 0.0),
+            c,
             self._grains,
             scene.near.number_density,
             n,

@@ -63,7 +63,8 @@ class Motion(Term):
         advance_supply(state, self._case, step.dt)
         wrap(p, self._domain)
         _, outside = self.survey(p)
-        if outside:
+        # the box of a channel reaches down to the bottom of its recess, its floor does not
+        if outside or self._case.dimension == 2:
             remove_leaving(state, self._case, self._domain)
 
     def survey(self, particles: Particles) -> tuple[float, int]:

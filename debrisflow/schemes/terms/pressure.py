@@ -19,13 +19,12 @@ class PressureEquation(Term):
     ----------
     scheme : ResolvedScheme
     dimension : int
-    room : SystemRoom
     """
 
     name = "pressure equation"
 
-    def __init__(self, scheme: ResolvedScheme, dimension: int, room: SystemRoom) -> None:
-        self._room = room
+    def __init__(self, scheme: ResolvedScheme, dimension: int) -> None:
+        self._room = SystemRoom()
         is_symmetric = scheme.interface == "symmetric"
         self._interface = (
             pressure.symmetric_interface(dimension)
