@@ -1,4 +1,4 @@
-"""Renew the curves of tests/regression, once it is understood why an answer has moved.
+"""Renew the curves of tests/slow/regression, once it is understood why an answer has moved.
 
 python scripts/renew_regression.py --reason "..." [NAME ...]
 """
@@ -14,7 +14,7 @@ import click
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.regression.small_cases import COLUMNS, CURVES, SMALL_CASES, curve
+from tests.slow.regression.small_cases import COLUMNS, CURVES, SMALL_CASES, curve
 
 
 @click.command()

@@ -40,7 +40,7 @@ class Strength(Table):
 
 
 class NoStrength(Strength):
-    """No strength: what flows resists by the viscosity of its phase and by turbulence."""
+    """No strength: what flows resists by the viscosity of its phase alone, without turbulence."""
 
     type: Literal["none"] = "none"
 

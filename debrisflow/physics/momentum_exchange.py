@@ -125,8 +125,8 @@ def pair_shear_rate(one, other, dx, dy, dz, inverse, du, dv, dw):
     mean over the influence radius, smears the edge of a plug over four rows, and is blind to a
     velocity that goes up and down from row to row.  Two particles beside each other in the shear,
     whose difference says nothing of it, keep G if d is less than a tenth of it; more scatter makes
-    such pairs, which pass on no stress of the shear, softer.  Strays whose neighbors tell no
-    gradient have |d|.
+    such pairs, which pass on no stress of the shear, softer.  For
+    isolated particles without a usable velocity gradient |d| is used.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@ Particles of both phases fill one lattice-like arrangement.  A particle of rock 
 it by its own velocity would have to push its neighbors aside: the pressure between particles holds
 it like a cage, and a column of 10 % of sediment settles at a sixth of the right speed and less and
 less, whatever the drag.  So the arrangement moves with the mixture, ``v_i = u_i - s_i``, whose
-pressure equation this is, and what a particle is still owed of its own path it gets by exchange of
+pressure equation this is, and the displacement that a particle still lacks is made up by swapping
 places with a particle of the other phase.  Nothing is pushed aside: volume, masses and momentum are
 conserved to the particle, and the place of a particle is that of its own path but for at most two
 spacings, unless a packing holds it: what it is owed beyond is dropped.

@@ -11,13 +11,38 @@ from debrisflow.particles.state import initial_state
 from debrisflow.run.loop import SCHEMES
 
 STEPS = 2  # only the second step checks whether the neighbor lists are out of date
-# for choices that no shipped case makes
+# for choices that no shipped case makes; each law of strength has kernels of its own
+LAWS: tuple[tuple[str, ...], ...] = (
+    ("strength.type='mu-i'", "strength.dynamic_friction_angle=45.0"),
+    ("strength.type='bingham'", "strength.yield_stress=30.0"),
+    (
+        "strength.type='herschel-bulkley'",
+        "strength.yield_stress=30.0",
+        "strength.consistency=5.0",
+        "strength.exponent=0.5",
+    ),
+    (
+        "strength.type='obrien-julien'",
+        "strength.yield_stress=1.0",
+        "strength.yield_growth=10.0",
+        "strength.consistency=0.01",
+        "strength.viscosity_growth=10.0",
+    ),
+)
 VARIANTS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "dam_break3d": (
+        (
+            "collision_stress.enabled=true",
+            "collision_stress.granular_temperature='neighborhood'",
+        ),
+    ),
+    "flume3d": LAWS,
     "flume2d": (
+        *LAWS,
         ("scheme.form='study'",),
         ("collision_stress.granular_temperature='neighborhood'",),
         ("collision_stress.granular_temperature='fluctuation'",),
-    )
+    ),
 }
 
 

@@ -37,7 +37,7 @@ class Density(Term):
         compression = np.empty(rows.stop)
         advance_density(
             dt,
-            fluid_of(scene, self._is_even, has_one_viscosity=True),
+            fluid_of(scene, self._is_even, has_one_viscosity=True),  # density reads none
             scene.near,
             scene.solid,
             self._numbers,

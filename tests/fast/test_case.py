@@ -79,7 +79,7 @@ class TestCompletion:
         assert along == pytest.approx(9.81 * 0.2588190451)
         assert across == pytest.approx(-9.81 * 0.9659258263)
 
-    @pytest.mark.parametrize("path", sorted(Path(__file__).parents[1].glob("cases/*.toml")))
+    @pytest.mark.parametrize("path", sorted(Path(__file__).parents[2].glob("cases/*.toml")))
     def test_completing_a_completed_case_changes_nothing(self, path: Path) -> None:
         case = load_case(path)
 
@@ -155,7 +155,7 @@ class TestRoundTrip:
             "collision_stress.concentration",
         }
 
-    @pytest.mark.parametrize("path", sorted(Path(__file__).parents[1].glob("cases/*.toml")))
+    @pytest.mark.parametrize("path", sorted(Path(__file__).parents[2].glob("cases/*.toml")))
     def test_shipped_cases(self, path: Path, tmp_path: Path) -> None:
         case = load_case(path)
 

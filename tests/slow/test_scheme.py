@@ -41,7 +41,7 @@ from tests.building import (
     started,
     tank_case,
 )
-from tests.test_checkpoint import identical
+from tests.fast.test_checkpoint import identical
 
 
 @pytest.fixture
@@ -396,7 +396,7 @@ def test_a_second_process_compiles_nothing(work, is_fresh, tmp_path):
         run = subprocess.run(
             [sys.executable, "-c", PROLOGUE + work + EPILOGUE],
             env=environment,
-            cwd=Path(__file__).parents[1],
+            cwd=Path(__file__).parents[2],
             capture_output=True,
             text=True,
             check=True,

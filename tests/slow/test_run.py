@@ -16,7 +16,7 @@ from debrisflow.run.measures import energies
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from debrisflow.schemes.terms.term import Term
 from tests.building import advance, bed_case, started, tank_case
-from tests.test_checkpoint import identical
+from tests.fast.test_checkpoint import identical
 
 
 def test_a_particle_that_skims_a_step_keeps_its_velocity():

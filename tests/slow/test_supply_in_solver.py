@@ -9,7 +9,7 @@ from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.run import loop
 from debrisflow.schemes.explicit import Explicit
-from tests.test_checkpoint import identical
+from tests.fast.test_checkpoint import identical
 
 D0 = 0.02
 SLAB = 8 * 3 * D0**3

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from debrisflow.physics.momentum_exchange import pair_shear_rate, pair_viscosity
-from tests.test_exchange import LAW, flow_of
+from tests.fast.test_exchange import LAW, flow_of
 
 
 def pair(rate=0.0, law=LAW, **known):

@@ -12,7 +12,7 @@ from debrisflow.case import load_case
 from debrisflow.run.folder import HISTORY
 from debrisflow.run.loop import simulate
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 CURVES = Path(__file__).parent / "curves"
 COLUMNS = ("time", "front_all", "kinetic_energy", "potential_energy", "mass_in_liquid")
 SMALL_CASES = {

@@ -16,7 +16,7 @@ from debrisflow.run.measures import elastic_energy, energies
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.schemes.terms.density import Density
 from tests.building import advance, momentum_of, started, tank3d_case
-from tests.test_checkpoint import identical
+from tests.fast.test_checkpoint import identical
 
 D0 = 0.05
 PILLAR = {"type": "box", "name": "pillar", "x": [0.6, 0.7], "y": [0.1, 0.2], "z": [0.0, 0.2]}

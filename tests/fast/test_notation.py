@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "theory" / "notation.md").read_text(encoding="utf-8")
 EQUATIONS = re.findall(r"^\| \((\d+)\) \| .* \| `([\w.]+):(\w+)` \|$", PAGE, re.MULTILINE)
 LAWS = re.findall(r"^\| ([^|(]+) \| `([\w.]+):(\w+)` \|$", PAGE, re.MULTILINE)

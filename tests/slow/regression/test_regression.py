@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.regression.small_cases import COLUMNS, CURVES, SMALL_CASES, curve, read
+from tests.slow.regression.small_cases import COLUMNS, CURVES, SMALL_CASES, curve, read
 
 # Share of the range of a curve.  Another processor rounds otherwise, and particles are chaotic: a
 # change of 1e-12 m in every initial position moved these curves by up to 8e-4 within their time.

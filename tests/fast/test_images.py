@@ -5,7 +5,7 @@ import pytest
 
 from debrisflow.physics import images
 from tests.building import lattice_block, random_patch, solid_of, two_lists
-from tests.test_exchange import LATTICE, SPACING, coupled_momentum, flow_of, mirrors_of, weight
+from tests.fast.test_exchange import LATTICE, SPACING, coupled_momentum, flow_of, mirrors_of, weight
 
 R_E = LATTICE.effective_radius
 

@@ -16,7 +16,7 @@ from debrisflow.results.survey import survey
 from debrisflow.run.folder import CASE, DEPOSIT, HISTORY, MAXIMA, SUMMARY
 from debrisflow.run.loop import simulate
 
-CASES = Path(__file__).parents[1] / "cases"
+CASES = Path(__file__).parents[2] / "cases"
 NAMES = sorted(path.stem for path in CASES.glob("*.toml"))
 ARRAYS = {
     "velocity",

@@ -11,7 +11,7 @@ from debrisflow.particles.state import initial_state
 from debrisflow.run import checkpoint
 from debrisflow.run.probes import samplers
 from debrisflow.space.domain import domain, wall_layers
-from tests.test_checkpoint import identical
+from tests.fast.test_checkpoint import identical
 
 D0 = 0.05
 ACROSS = (0.1, 0.4)

@@ -12,7 +12,7 @@ from debrisflow.run import loop
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.space.floor import driving_gravity
 from tests.building import advance, momentum_of, started, tank3d_case
-from tests.test_checkpoint import identical
+from tests.fast.test_checkpoint import identical
 
 D0 = 0.02
 G, WATER, ROCK, C = 9.81, 1000.0, 2650.0, 0.5
