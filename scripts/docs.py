@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import click
 
 from debrisflow.case import case_schema
+from debrisflow.particles.arrays import ARRAYS
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -72,7 +73,10 @@ class Field(NamedTuple):
 def pages() -> dict[Path, str]:
     """Return the text of every page that is generated or has a generated part, by its path."""
     schema = json.loads(case_schema())
-    written = {DOCS / "case_file.md": case_page(schema)}
+    written = {
+        DOCS / "case_file.md": renewed("case_file.md", sections(schema)),
+        DOCS / "run_folder.md": renewed("run_folder.md", arrays()),
+    }
     cases = {path.stem: path for path in sorted(CASES.glob("*.toml"))}
     for name, path in cases.items():
         written[DOCS / "cases" / f"{name}.md"] = page_of_case(
@@ -82,12 +86,21 @@ def pages() -> dict[Path, str]:
     return written
 
 
-def case_page(schema: dict[str, Any]) -> str:
-    """Return the page of the case file with its tables renewed."""
-    text = (DOCS / "case_file.md").read_text(encoding="utf-8")
+def renewed(name: str, lines: Iterator[str]) -> str:
+    """Return a page with its generated part renewed."""
+    text = (DOCS / name).read_text(encoding="utf-8")
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
-    return before + BEGIN + "\n" + "\n".join(sections(schema)) + "\n" + END + after
+    return before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after
+
+
+def arrays() -> Iterator[str]:
+    """Yield the table of the arrays in the particle files."""
+    yield "| array | unit | meaning | file |"
+    yield "|---|---|---|---|"
+    for array in ARRAYS:
+        files = ", ".join(f"`{file}`" for file in array.files)
+        yield f"| `{array.name}` | {array.unit} | {array.meaning} | {files} |"
 
 
 def sections(schema: dict[str, Any]) -> Iterator[str]:

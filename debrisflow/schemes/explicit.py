@@ -57,6 +57,7 @@ class Explicit(Scheme):
         is_implicit = not isinstance(strength, NoStrength)
         is_sheared = is_implicit or (stress.enabled and stress.granular_temperature == "algebraic")
         collisions = MixtureCollisions(case, numbers.density, numbers.sound_speed, is_implicit)
+        exchange = MomentumExchange(case, gravity, RESIDUAL, is_smooth=False, least_viscosity=least)
         grains = None
         if isinstance(strength, FrictionalStrength):
             balance = SharedPressure if is_even else GrainPressure
@@ -72,7 +73,7 @@ class Explicit(Scheme):
             self._density,
             Forces(numbers, is_even, is_even and not stress.enabled, not is_implicit),
             grains,
-            MomentumExchange(case, gravity, RESIDUAL, least) if is_implicit else None,
+            exchange if is_implicit else None,
             self._motion,
         )
         return tuple(term for term in terms if term is not None)

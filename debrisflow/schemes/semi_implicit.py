@@ -59,6 +59,13 @@ class SemiImplicit(Scheme):
         is_sheared = has_strength or (
             has_collisions and case.collision_stress.granular_temperature == "algebraic"
         )
+        exchange = MomentumExchange(
+            case,
+            gravity,
+            RESIDUAL,
+            is_smooth=isinstance(strength, FrictionalStrength),
+            least_viscosity=0.0,
+        )
         self._pressure = PressureEquation(scheme, case.dimension)
         terms = (
             Gravity(gravity),
@@ -74,7 +81,7 @@ class SemiImplicit(Scheme):
             GrainPressure(case, strength, gravity)
             if isinstance(strength, FrictionalStrength)
             else None,
-            MomentumExchange(case, gravity, RESIDUAL) if has_strength else None,
+            exchange if has_strength else None,
             WallFriction() if is_rough else None,
             Motion(case, self.domain, scheme.courant, slip),
         )

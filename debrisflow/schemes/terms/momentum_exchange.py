@@ -31,6 +31,8 @@ class MomentumExchange(Term):
     gravity : (3,) float64 array, m/s2
     residual : float
         Share of gravity that the solution leaves out of balance.
+    is_smooth : bool
+        Whether pairs yield at the mean shear rate around the two, not at their own.
     least_viscosity : float, Pa s
         Between two particles.
     """
@@ -38,8 +40,15 @@ class MomentumExchange(Term):
     name = "exchange of momentum"
 
     def __init__(
-        self, case: ResolvedCase, gravity: Floats, residual: float, least_viscosity: float = 0.0
+        self,
+        case: ResolvedCase,
+        gravity: Floats,
+        residual: float,
+        *,
+        is_smooth: bool,
+        least_viscosity: float,
     ) -> None:
+        self._is_smooth = is_smooth
         self._case, self._law, self._residual = case, law_of(case), residual
         self._g = float(np.linalg.norm(gravity))
         self._down = gravity / (self._g or 1.0)
@@ -106,7 +115,7 @@ class MomentumExchange(Term):
             deepening=deepening,
             ramp=ramp,
             shear_rate=scene.shear_rate,
-            gradient=scene.gradient,
+            gradient=None if self._is_smooth else scene.gradient,
             least_viscosity=self._least_viscosity,
         )
         resist(
