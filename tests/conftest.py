@@ -79,28 +79,28 @@ def channel(tmp_path: Path) -> Path:
 @pytest.fixture
 def ends(monkeypatch: pytest.MonkeyPatch) -> list:
     """Return a list that takes the last state of every run."""
-    from debrisflow.run import loop
+    from debrisflow.run.folder import RunFolder
 
-    kept, conclude = [], loop._Run._conclude
+    kept, write = [], RunFolder.write_maxima
 
-    def conclude_and_keep(run, reason):
-        kept.append(run.state)
-        return conclude(run, reason)
+    def write_and_keep(folder, state):
+        kept.append(state)
+        write(folder, state)
 
-    monkeypatch.setattr(loop._Run, "_conclude", conclude_and_keep)
+    monkeypatch.setattr(RunFolder, "write_maxima", write_and_keep)
     return kept
 
 
 @pytest.fixture
 def interrupt(monkeypatch: pytest.MonkeyPatch):
     """Return a function: from now on runs are interrupted at step 30, as by Ctrl-C."""
-    from debrisflow.run import loop
+    from debrisflow.run.progress import Progress
 
-    write = loop._Run.write
+    count = Progress.count
 
-    def write_and_interrupt(run, iterations):
-        write(run, iterations)
-        if run.state.step == 30:
+    def count_and_interrupt(progress, state):
+        count(progress, state)
+        if state.step == 30:
             signal.raise_signal(signal.SIGINT)
 
-    return lambda: monkeypatch.setattr(loop._Run, "write", write_and_interrupt)
+    return lambda: monkeypatch.setattr(Progress, "count", count_and_interrupt)
