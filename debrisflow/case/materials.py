@@ -48,12 +48,3 @@ def bulk_density(
     """Return ``rho = C rho_s + (1 - C) rho_l`` of grains and what fills their pores, kg/m3."""
     pores = pore_density(water, strength)
     return pores + concentration * (sediment.density - pores)
-
-
-def buoyant_share(
-    concentration: float, water: Water, sediment: Sediment, strength: Strength
-) -> float:
-    """Return ``C (rho_s - rho_l) / rho``, the grains' share of the pressure at rest; 1 if dry."""
-    pores = pore_density(water, strength)
-    density = bulk_density(concentration, water, sediment, strength)
-    return concentration * (sediment.density - pores) / density if density > 0.0 else 0.0

@@ -80,7 +80,7 @@ def _couple_grains(first, last, near, c, gravity, couplings, right):
 def couple_grains(near, c, submerged_gravity, couplings, right):
     """Write the static balance, and its right side, (n, 1) float64 array.
 
-    Walls are left out: the pressure of what the wall would hold is that which the balance asks for.
+    Walls are left out: a linear pressure satisfies the balance of a row without them as well.
     On the free surface of a bed p is given: the weight of half a row and of what that row has sunk.
 
     Parameters

@@ -56,7 +56,7 @@ class Flow(NamedTuple):
         Velocity gradient by rows; None where a pair yields at the mean shear rate of its two
         particles, see :func:`rate_between`.
     least_viscosity : float, Pa s
-        Between two particles: the artificial one, which adds nothing to what is more viscous.
+        A lower bound on the pair viscosity: the artificial one of a weakly compressible fluid.
     """
 
     density: Floats

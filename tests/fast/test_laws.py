@@ -7,7 +7,7 @@ from typing import get_args
 
 import pytest
 
-from debrisflow.case.materials import Sediment, Water, bulk_density, buoyant_share
+from debrisflow.case.materials import Sediment, Water, bulk_density
 from debrisflow.case.strength import LAWS, Coulomb
 from debrisflow.physics.rheology import (
     ramp,
@@ -31,12 +31,6 @@ def test_the_density_of_a_mixture_is_that_of_its_parts():
     assert bulk_density(0.6, WATER, ROCK, WET) == pytest.approx(0.6 * 2500.0 + 0.4 * 1000.0)
     assert bulk_density(1.0, WATER, ROCK, WET) == 2500.0
     assert bulk_density(0.6, WATER, ROCK, DRY) == pytest.approx(0.6 * 2500.0)
-
-
-def test_grains_carry_their_buoyant_share_in_water_and_all_when_dry():
-    assert buoyant_share(0.6, WATER, ROCK, WET) == pytest.approx(0.6 * 1500.0 / 1900.0)
-    assert buoyant_share(0.6, WATER, ROCK, DRY) == 1.0
-    assert buoyant_share(0.0, WATER, ROCK, WET) == 0.0
 
 
 def test_no_law_resists_nothing():

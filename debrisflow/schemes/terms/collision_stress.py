@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 class CollisionStress(Term):
-    """Pressure and viscosity of colliding grains; which law tells their temperature.
+    """Pressure and viscosity of colliding grains; by the chosen law of their temperature.
 
     Parameters
     ----------
