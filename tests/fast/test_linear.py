@@ -40,7 +40,8 @@ def lattice_system(side, rng, interface=(0.0, 0.0, 1.0), is_given=True):
     own, other, mean = interface
     density = rng.choice([1.0, 2.65], side * side)
     mine, theirs = density[:, None], density[index]
-    system = empty_system(index)
+    system = empty_system(*index.shape)
+    system.columns[:] = index
     system.value[:] = value * (own / mine + other / theirs + mean * 2.0 / (mine + theirs))
     system.entries[:] = is_inside.sum(axis=1)
     system.diagonal[:] = system.value.sum(axis=1)
