@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
+from debrisflow.case.resolved import UnsteadyInflow
 from debrisflow.particles.state import State, initial_state
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from debrisflow.space.floor import height_over_floor
@@ -231,7 +232,7 @@ def _supplied_until(case: tables.Case, end: float) -> tables.Case:
     graph = tables.Hydrograph(
         time=(0.0, max(end, 0.1), end + 0.2), discharge=(q, q, 0.0), concentration=(0.0, 0.0, 0.0)
     )
-    supply = tables.Inflow(depth=case.inflow.depth, hydrograph=graph)
+    supply = UnsteadyInflow(depth=case.inflow.depth, hydrograph=graph)
     return case.model_copy(update={"inflow": supply})
 
 
