@@ -84,7 +84,8 @@ def ends(monkeypatch: pytest.MonkeyPatch) -> list:
     kept, write = [], RunFolder.write_maxima
 
     def write_and_keep(folder, state):
-        kept.append(state)
+        if not (kept and kept[-1] is state):  # written with every frame
+            kept.append(state)
         write(folder, state)
 
     monkeypatch.setattr(RunFolder, "write_maxima", write_and_keep)
