@@ -29,8 +29,10 @@ from debrisflow.schemes.vicinity import OneList
 from debrisflow.space.domain import WALL_NAMES
 from debrisflow.space.gravity import gravity_vector
 
-RESIDUAL = 1.0e-3
-"""Share of gravity that the exchange of momentum may leave out of balance."""
+RESIDUAL = 1.0e-5
+"""Share of gravity that the exchange of momentum may leave out of balance.
+
+With 1e-3 the last iteration, which rounding decides, moved the energy of a bed by 1 % in 0.6 s."""
 
 
 class SemiImplicit(Scheme):
