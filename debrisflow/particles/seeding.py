@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase, tables
 from debrisflow.particles.matter import set_material
 from debrisflow.particles.record import Kind, Particles, blank
-from debrisflow.particles.supply import _first_columns
+from debrisflow.particles.supply import first_columns
 from debrisflow.space.domain import WALL_NAMES
 from debrisflow.space.fills import fill
 from debrisflow.space.walls import WallPoints, wall_points
@@ -27,7 +27,7 @@ def seed(case: ResolvedCase) -> Particles:
     rng = np.random.default_rng(case.particles.seed)
     groups = [_filled(block, case, rng) for block in case.fill]
     fluid_count = sum(g.count for g in groups)
-    columns = _first_columns(case) if case.inflow is not None else []
+    columns = first_columns(case) if case.inflow is not None else []
     inflow_count = sum(column.count for column in columns)
     groups += columns
     solid = _walls(case)

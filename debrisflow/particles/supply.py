@@ -89,7 +89,7 @@ def whole_sediment(case: ResolvedCase, owed: float) -> float:
     return owed if case.dimension == 3 else float(int(owed))
 
 
-def _first_columns(case: ResolvedCase) -> list[Particles]:
+def first_columns(case: ResolvedCase) -> list[Particles]:
     """Return the columns that wait behind x = 0 at the start, the foremost first."""
     d0, layers = case.particles.spacing, wall_layers(case)
     due = [whole_sediment(case, supplied_sediment(case, n)) for n in range(layers + 1)]

@@ -175,7 +175,7 @@ def _obstacle_height(case: ResolvedCase, x: Floats, y: Floats) -> Floats:
     for box in sorted(boxes, key=lambda box: box.z[0]):
         inside = np.ones(x.size, dtype=bool)
         for value, (start, end) in ((x, box.x), (y, box.y)):
-            # walls are cut on the lattice, see geometry; the centers may lie on its lines
+            # walls are cut on the lattice, see walls; the centers may lie on its lines
             line = value / d0 + 1e-6
             inside &= (line >= round(start / d0)) & (line < round(end / d0))
         stands = inside & (height >= box.z[0] - 0.5 * d0)
