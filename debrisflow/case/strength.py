@@ -188,14 +188,15 @@ def _type_of(table: type[Strength]) -> str:
 def _as_now(data: Any) -> Any:
     """Return a table as it is written now: its law called ``type``, without fields of other laws.
 
+    A table with fields but no law is left as it is, and refused: its numbers would mean nothing.
     Former files state the fields of all laws.  A field of another law is left out where it has its
     default.  With 'none', by which a law is switched off, it is left out whatever its value is;
     only a dry mass, which would change the density, stays and is refused.
     """
     if not isinstance(data, dict):
         return data
-    data = {"type": "none"} | renamed(data)
-    own = {_type_of(table): table for table in LAWS}.get(str(data["type"]))
+    data = renamed(data) or {"type": "none"}
+    own = {_type_of(table): table for table in LAWS}.get(str(data.get("type")))
     if own is None:
         return data
     for name in set(data) - set(own.model_fields):
