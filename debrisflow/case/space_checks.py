@@ -46,9 +46,8 @@ Obstacles = tuple[AnyObstacle, ...]
 
 FEWEST_SPACINGS = 4
 FEWEST_BED_SPACINGS = 3
-LARGEST_BEND = (
-    25.0  # degrees; its cosine is above ``neighbors.wall_access.EDGE``, so that a floor is no edge
-)
+# degrees; its cosine is above ``neighbors.wall_access.EDGE``, so that a floor is no edge
+LARGEST_BEND = 25.0
 
 
 def fills_of_dimension(geometry: Geometry, fill: Fill) -> Problems:

@@ -84,9 +84,8 @@ def read_frame(time: float, file: Path) -> Frame:
     try:
         catcher = pyvista.VtkErrorCatcher(raise_errors=True, send_to_logging=False)
         with warnings.catch_warnings(), catcher:
-            warnings.simplefilter(
-                "ignore"
-            )  # pyvista also warns about the errors that the catcher raises
+            # pyvista also warns about the errors that the catcher raises
+            warnings.simplefilter("ignore")
             mesh = pyvista.read(file)
         arrays = {a.name: np.asarray(mesh.point_data[a.name]) for a in arrays_in(FRAME)}
         return Frame(time, np.asarray(mesh.points), arrays)

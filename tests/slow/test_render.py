@@ -37,6 +37,8 @@ def screen():
     try:
         offscreen.require_offscreen()
     except OutputError as error:
+        # drivers come with the system, not with pip: the other tests are to pass without one,
+        # and what a user is told then is tested below
         pytest.skip(f"VTK has no driver to draw with, so that there is no picture: {error}")
 
 

@@ -34,7 +34,7 @@ class NewtonianViscosity(Term):
 
 
 class MixtureViscosity(Term):
-    """The dynamic viscosity of water and of the mixture, and what an explicit one allows.
+    """The dynamic viscosity of water and of the mixture.
 
     Parameters
     ----------
