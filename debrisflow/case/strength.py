@@ -1,8 +1,8 @@
 """The tables of strength, one for each law, chosen by ``type``.
 
 A law is its table here and its record and formulas in ``debrisflow/physics/rheology/NAME.py``,
-where NAME is the type with ``_`` for ``-``.  That file has a function ``law``, which makes the
-record; its arguments have the names of the fields of the table.
+where NAME is the type with ``_`` for ``-``.  What that file calls ``law`` makes the record; its
+arguments have the names of the fields of the table.
 """
 
 from __future__ import annotations

@@ -22,8 +22,9 @@ ERGUN_FROM = {"gidaspow": 0.2, "wen-yu": np.inf}
 def law_of(case: ResolvedCase) -> Law:
     """Return the record of a checked case's law of strength.
 
-    It is made by the function ``law`` of the file in ``physics/rheology`` that has the name of the
-    law's ``type``, which is given the fields of the table that it asks for by their names, and
+    The file in ``physics/rheology`` that has the name of the law's ``type`` calls ``law`` what makes
+    it: the record itself, or a function of what a user states.  It is given by name what it asks
+    for of the fields of the table, ``ramp_start`` and ``ramp_end`` of the concentration,
     ``grain_diameter`` and ``grain_density``.
     """
     name = case.strength.type.replace("-", "_")
@@ -33,6 +34,8 @@ def law_of(case: ResolvedCase) -> Law:
         "grain_diameter": sediment.grain_diameter,
         "grain_density": sediment.density,
     }
+    if "concentration_ramp" in known:
+        known["ramp_start"], known["ramp_end"] = known["concentration_ramp"]
     record: Law = make(**{wanted: known[wanted] for wanted in signature(make).parameters})
     return record
 
@@ -55,6 +58,7 @@ def drag_of(case: ResolvedCase) -> DragLaw:
         diameter=case.sediment.grain_diameter,
         density=case.water.density,
         viscosity=case.water.viscosity,
+        grain_density=case.sediment.density,
         packing_limit=case.sediment.packing_limit,
     )
 

@@ -72,4 +72,6 @@ def test_every_law_of_the_case_has_a_file_of_its_formulas():
         (name,) = get_args(table.model_fields["type"].annotation)
         module = import_module(f"debrisflow.physics.rheology.{name.replace('-', '_')}")
         known = {"grain_diameter", "grain_density", *table.model_fields}
+        if "concentration_ramp" in known:
+            known |= {"ramp_start", "ramp_end"}
         assert set(signature(module.law).parameters) <= known

@@ -29,21 +29,7 @@ class Bingham(NamedTuple):
     largest_viscosity: float
 
 
-def law(
-    yield_stress: float,
-    concentration_ramp: tuple[float, float],
-    smallest_shear_rate: float,
-    largest_viscosity: float,
-) -> Bingham:
-    """Return the record."""
-    start, end = concentration_ramp
-    return Bingham(
-        yield_stress=yield_stress,
-        ramp_start=start,
-        ramp_end=end,
-        smallest_shear_rate=smallest_shear_rate,
-        largest_viscosity=largest_viscosity,
-    )
+law = Bingham
 
 
 @kernel

@@ -32,16 +32,16 @@ class Coulomb(NamedTuple):
 
 def law(
     friction_angle: float,
-    concentration_ramp: tuple[float, float],
+    ramp_start: float,
+    ramp_end: float,
     smallest_shear_rate: float,
     largest_viscosity: float,
 ) -> Coulomb:
     """Return the record of a friction angle, degree, and the other numbers."""
-    start, end = concentration_ramp
     return Coulomb(
         friction=tan(radians(friction_angle)),
-        ramp_start=start,
-        ramp_end=end,
+        ramp_start=ramp_start,
+        ramp_end=ramp_end,
         smallest_shear_rate=smallest_shear_rate,
         largest_viscosity=largest_viscosity,
     )
@@ -53,7 +53,7 @@ def friction(pressure, shear_rate, law):
 
     Examples
     --------
-    >>> round(friction(100.0, 2.0, law(35.0, (0.2, 0.35), 0.001, 1e6)), 4)
+    >>> round(friction(100.0, 2.0, law(35.0, 0.2, 0.35, 0.001, 1e6)), 4)
     0.7002
     """
     return law.friction

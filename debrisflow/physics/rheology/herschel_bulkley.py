@@ -33,25 +33,7 @@ class HerschelBulkley(NamedTuple):
     largest_viscosity: float
 
 
-def law(
-    yield_stress: float,
-    consistency: float,
-    exponent: float,
-    concentration_ramp: tuple[float, float],
-    smallest_shear_rate: float,
-    largest_viscosity: float,
-) -> HerschelBulkley:
-    """Return the record."""
-    start, end = concentration_ramp
-    return HerschelBulkley(
-        yield_stress=yield_stress,
-        consistency=consistency,
-        exponent=exponent,
-        ramp_start=start,
-        ramp_end=end,
-        smallest_shear_rate=smallest_shear_rate,
-        largest_viscosity=largest_viscosity,
-    )
+law = HerschelBulkley
 
 
 @kernel

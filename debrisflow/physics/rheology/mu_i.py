@@ -48,21 +48,21 @@ def law(
     inertia_number: float,
     grain_diameter: float,
     grain_density: float,
-    concentration_ramp: tuple[float, float],
+    ramp_start: float,
+    ramp_end: float,
     smallest_shear_rate: float,
     largest_viscosity: float,
 ) -> MuI:
     """Return the record of two friction angles, degree, and the other numbers."""
     slow, fast = tan(radians(friction_angle)), tan(radians(dynamic_friction_angle))
-    start, end = concentration_ramp
     return MuI(
         friction=slow,
         friction_span=fast - slow,
         inertia=inertia_number,
         grain_diameter=grain_diameter,
         grain_density=grain_density,
-        ramp_start=start,
-        ramp_end=end,
+        ramp_start=ramp_start,
+        ramp_end=ramp_end,
         smallest_shear_rate=smallest_shear_rate,
         largest_viscosity=largest_viscosity,
     )

@@ -11,9 +11,7 @@ class NoStrength(NamedTuple):
     """The record of no law, which has no numbers."""
 
 
-def law() -> NoStrength:
-    """Return the record."""
-    return NoStrength()
+law = NoStrength
 
 
 @kernel

@@ -41,23 +41,7 @@ class OBrienJulien(NamedTuple):
     largest_viscosity: float
 
 
-def law(
-    yield_stress: float,
-    yield_growth: float,
-    consistency: float,
-    viscosity_growth: float,
-    smallest_shear_rate: float,
-    largest_viscosity: float,
-) -> OBrienJulien:
-    """Return the record."""
-    return OBrienJulien(
-        yield_stress=yield_stress,
-        yield_growth=yield_growth,
-        consistency=consistency,
-        viscosity_growth=viscosity_growth,
-        smallest_shear_rate=smallest_shear_rate,
-        largest_viscosity=largest_viscosity,
-    )
+law = OBrienJulien
 
 
 @kernel
