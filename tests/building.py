@@ -34,7 +34,14 @@ HERSCHEL_BULKLEY = HerschelBulkley(yield_stress=30.0, consistency=5.0, exponent=
 MUD = OBrienJulien(
     yield_stress=0.0181, yield_growth=25.7, consistency=0.0036, viscosity_growth=22.1, **CAPS
 )
-GIDASPOW = DragLaw(0.2, 0.003, 1000.0, 1e-3, 0.55)
+GIDASPOW = DragLaw(
+    ergun_from=0.2,
+    diameter=0.003,
+    density=1000.0,
+    viscosity=1e-3,
+    grain_density=2650.0,
+    packing_limit=0.55,
+)
 WEN_YU = GIDASPOW._replace(ergun_from=np.inf)
 
 

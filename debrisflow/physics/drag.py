@@ -18,6 +18,7 @@ class DragLaw(NamedTuple):
         Grain diameter d_m.
     density, viscosity : float, kg/m3, Pa s
         Of water.
+    grain_density : float, kg/m3
     packing_limit : float
         Concentrations are taken no greater.
     """
@@ -26,6 +27,7 @@ class DragLaw(NamedTuple):
     diameter: float
     density: float
     viscosity: float
+    grain_density: float
     packing_limit: float
 
 

@@ -144,25 +144,25 @@ def room_at(i, part, owed, spacing, u_r):
 
 
 @kernel
-def advance_at(i, dt, drive, resistance, c, rock, water, u_r):
+def advance_at(i, dt, drive, resistance, c, drag, u_r):
     """Advance u_r of particle i by a step.
 
     Implicit in u_r with the coefficient at the old speed, so that no step is too long for it.
     """
-    rate = resistance * ((1.0 - c) / rock + c / water)
+    rate = resistance * ((1.0 - c) / drag.grain_density + c / drag.density)
     kept = 1.0 / (1.0 + dt * rate)
     for axis in range(3):
         u_r[i, axis] = kept * (u_r[i, axis] + dt * drive[axis])
 
 
 @kernel
-def drive_at(i, gradient, everywhere, thrown, fraction, rock, water, near):
+def drive_at(i, gradient, everywhere, thrown, fraction, drag, near):
     """Return what accelerates the grains against the water, m/s2.
 
     ``thrown`` is the acceleration of the grains by collisions, without rows where there are none.
     """
     x, y, z = mean_at(i, gradient, everywhere, near)
-    buoyancy = 1.0 / water - 1.0 / rock
+    buoyancy = 1.0 / drag.density - 1.0 / drag.grain_density
     x, y, z = buoyancy * x, buoyancy * y, buoyancy * z
     if thrown.shape[0] > 0:
         gx, gy, gz = mean_at(i, thrown, fraction, near)
@@ -184,27 +184,25 @@ def _advance(
     part,
     owed,
     drag,
-    rock,
-    water,
     near,
     u_r,
     force,
     everywhere,
 ):
     for i in range(first, last):
-        drive = drive_at(i, gradient, everywhere, thrown, fraction, rock, water, near)
+        drive = drive_at(i, gradient, everywhere, thrown, fraction, drag, near)
         speed = np.sqrt(u_r[i, 0] ** 2 + u_r[i, 1] ** 2 + u_r[i, 2] ** 2)
         resistance = drag_coefficient(c[i], speed, drag) / (
             freedom(c[i], drag.packing_limit) * room_at(i, part, owed, near.spacing, u_r)
         )
-        advance_at(i, dt, drive, resistance, c[i], rock, water, u_r)
+        advance_at(i, dt, drive, resistance, c[i], drag, u_r)
         force[i, 0] = resistance * u_r[i, 0]
         force[i, 1] = resistance * u_r[i, 1]
         force[i, 2] = resistance * u_r[i, 2]
 
 
 @loop
-def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, near, u_r, force):
+def advance(dt, gradient, thrown, fraction, c, part, owed, drag, near, u_r, force):
     """Advance the relative velocity of all fluid particles and write ``K u_r``, N/m3.
 
     Where the grains touch or are held, K is divided by what freedom they have.
@@ -224,8 +222,6 @@ def advance(dt, gradient, thrown, fraction, c, part, owed, drag, rock, water, ne
             part,
             owed,
             drag,
-            rock,
-            water,
             near,
             u_r,
             force,

@@ -21,7 +21,7 @@ from debrisflow.schemes.terms.momentum_exchange import MomentumExchange
 from debrisflow.schemes.terms.motion import Motion
 from debrisflow.schemes.terms.pressure import PressureEquation, PressureGradient
 from debrisflow.schemes.terms.shear import Shear
-from debrisflow.schemes.terms.slip import Materials, Slip
+from debrisflow.schemes.terms.slip import Slip
 from debrisflow.schemes.terms.term import Term
 from debrisflow.schemes.terms.viscosity import ExplicitViscosity, NewtonianViscosity
 from debrisflow.schemes.terms.wall_friction import WallFriction
@@ -56,7 +56,7 @@ class SemiImplicit(Scheme):
         has_collisions = case.collision_stress.enabled
         slip = None
         if case.drag.law != "none":
-            slip = Slip(drag_of(case), Materials(case.sediment.density, case.water.density))
+            slip = Slip(drag_of(case))
         is_rough = any(getattr(case.walls, name).roughness > 0.0 for name in WALL_NAMES)
         is_sheared = has_strength or (
             has_collisions and case.collision_stress.granular_temperature == "algebraic"

@@ -16,7 +16,7 @@ from debrisflow.physics.slip import (
     surroundings_at,
     survey_surroundings,
 )
-from debrisflow.schemes.terms.slip import Materials, Slip
+from debrisflow.schemes.terms.slip import Slip
 from debrisflow.schemes.terms.term import Step
 from tests.building import (
     GIDASPOW,
@@ -121,7 +121,7 @@ def test_drag_brings_the_phases_to_a_common_velocity_at_the_analytic_rate(dt, la
     velocity = np.where(is_rock[:, None], *start)
     p.relative_velocity[:] = start[0] - start[1]
     before = p.density @ velocity
-    phases = Slip(law, Materials(ROCK, WATER))
+    phases = Slip(law)
     step = acted(phases, observed(phases, p, near), dt, velocity)
     carry_over(phases, step)
     rate = analytic_rate(phases.surroundings.concentration, np.hypot(0.8, 0.3), law)
@@ -146,7 +146,7 @@ def test_drag_at_rest_decays_exponentially_as_the_step_vanishes():
     is_rock = p.sediment_fraction > 0
     velocity = np.where(is_rock[:, None], [1e-9, 0.0, 0.0], 0.0)
     p.relative_velocity[:, 0] = 1e-9
-    phases = Slip(law, Materials(ROCK, WATER))
+    phases = Slip(law)
     scene = observed(phases, p, near)
     rate = analytic_rate(phases.surroundings.concentration, 0.0, law)
     end, steps = 2.0 / rate.max(), 2000
@@ -161,7 +161,7 @@ def test_drag_at_rest_decays_exponentially_as_the_step_vanishes():
 @pytest.mark.parametrize(("dimension", "radius"), RADII)
 def test_drag_gives_the_water_what_it_takes_from_the_grains(dimension, radius, rng):
     p, near = random_mix(dimension, radius, rng)
-    phases = Slip(WEN_YU, Materials(ROCK, WATER))
+    phases = Slip(WEN_YU)
     velocity = of_phases(phases, acted(phases, observed(phases, p, near), 1e-3))
     given = p.density @ np.abs(velocity)
     assert given[:dimension].min() > 0.0
@@ -170,7 +170,7 @@ def test_drag_gives_the_water_what_it_takes_from_the_grains(dimension, radius, r
 
 def test_without_slip_there_is_no_drag_and_without_two_phases_no_slip(rng):
     p, near = random_mix(2, 3.1, rng)
-    phases = Slip(WEN_YU, Materials(ROCK, WATER))
+    phases = Slip(WEN_YU)
     p.relative_velocity[:] = 0.0
     step = acted(phases, observed(phases, p, near), 1e-3)
     assert not step.velocity.any()
@@ -186,7 +186,7 @@ def test_without_slip_there_is_no_drag_and_without_two_phases_no_slip(rng):
 def test_the_slip_carries_no_volume():
     p, near = checkerboard()
     p.relative_velocity[:, 1] = -0.3
-    phases = Slip(WEN_YU, Materials(ROCK, WATER))
+    phases = Slip(WEN_YU)
     scene = observed(phases, p, near)
     is_rock = p.sediment_fraction > 0
     assert np.all(phases.velocity[is_rock, 1] < -0.14)
@@ -220,7 +220,7 @@ def test_rest_is_the_balance_of_drag_and_buoyant_weight():
     # a given pressure gradient rho_m g on the periodic lattice, up to the jump at its seam
     p, near = checkerboard()
     law = WEN_YU._replace(packing_limit=0.6)
-    phases = Slip(law, Materials(ROCK, WATER))
+    phases = Slip(law)
     p.pressure[:] = 0.5 * (ROCK + WATER) * 9.81 * (SIDE - p.position[:, 1])
     middle = np.abs(p.position[:, 1] - 0.5 * SIDE) < 1.0
     for _ in range(3000):
@@ -240,7 +240,7 @@ def test_packed_grains_hardly_slip():
     for law in (free, packed):
         p.relative_velocity[:] = 0.0
         p.pressure[:] = 1825.0 * 9.81 * (SIDE - p.position[:, 1])
-        phases = Slip(law, Materials(ROCK, WATER))
+        phases = Slip(law)
         for _ in range(500):
             carry_over(phases, acted(phases, observed(phases, p, near), 1e-3))
         speeds.append(-np.median(p.relative_velocity[:, 1]))
@@ -251,7 +251,7 @@ def test_packed_grains_hardly_slip():
 def test_collisions_of_grains_move_them_against_the_water():
     p, near = checkerboard()
     collisions = np.where(p.sediment_fraction[:, None] > 0, [50.0, 0.0, 0.0], 0.0)
-    phases = Slip(WEN_YU._replace(packing_limit=0.6), Materials(ROCK, WATER))
+    phases = Slip(WEN_YU._replace(packing_limit=0.6))
     step = acted(phases, observed(phases, p, near), 1e-6, collisions=collisions)
     assert not p.relative_velocity.any()  # nothing is done before the step is
     carry_over(phases, step)
@@ -328,7 +328,7 @@ def test_an_exchange_moves_the_matter_and_keeps_sums_and_places(rng):
     p.velocity[:] = rng.normal(size=(300, 3))
     p.owed_displacement[:, 1] = np.where(p.sediment_fraction > 0, -1.0, 0.3) / np.sqrt(300)
     before = {name: value.copy() for name, value in p.arrays().items()}
-    phases = Slip(WEN_YU._replace(packing_limit=0.9), Materials(ROCK, WATER))
+    phases = Slip(WEN_YU._replace(packing_limit=0.9))
     scene = observed(phases, p, near)
     phases.move(Step(scene, 1e-9, p.velocity, p.pressure))
     moved = p.id != before["id"]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,13 +20,6 @@ from debrisflow.schemes.terms.term import Scene, Step, Term
 Floats = NDArray[np.float64]
 
 
-class Materials(NamedTuple):
-    """Densities of rock and water, kg/m3."""
-
-    rock: float
-    water: float
-
-
 class Slip(Term):
     """Slip between sediment and water, see :mod:`debrisflow.physics.slip`.
 
@@ -37,7 +28,6 @@ class Slip(Term):
     Parameters
     ----------
     drag : DragLaw
-    materials : Materials
 
     Attributes
     ----------
@@ -48,9 +38,8 @@ class Slip(Term):
 
     name = "slip"
 
-    def __init__(self, drag: DragLaw, materials: Materials) -> None:
+    def __init__(self, drag: DragLaw) -> None:
         self._drag = drag
-        self._materials = materials
         self.velocity = np.zeros((0, 3))
 
     def observe(self, scene: Scene) -> None:
@@ -95,7 +84,6 @@ class Slip(Term):
             self._part,
             p.owed_displacement,
             self._drag,
-            *self._materials,
             scene.near,
             self._relative,
             force,
