@@ -48,8 +48,9 @@ class Scheme:
 
     def observe(self, state: State) -> Scene:
         """Return what the terms find out about the particles at their present places."""
-        if self._scene is not None and self._observed_step == state.step:
-            return self._scene
+        known = self._scene
+        if known is not None and known.state is state and self._observed_step == state.step:
+            return known
         with self.seconds.of("neighbors"):
             self._update_neighbors(state)
         p = state.particles
