@@ -12,7 +12,7 @@ from debrisflow.case import load_case, tables
 from debrisflow.case.resolved import UnsteadyInflow
 from debrisflow.particles.state import State, initial_state
 from debrisflow.schemes.semi_implicit import SemiImplicit
-from debrisflow.space.floor import height_over_floor
+from debrisflow.space.floor import height_over_floor, runout_bend
 from tests.building import advance
 
 Floats = NDArray[np.float64]
@@ -280,18 +280,18 @@ def deposit(name: str, overrides: tuple[str, ...] = (), end: float | None = None
     moved = np.linalg.norm(after.position[other] - before.position[one], axis=1)[deposited]
     x, y = after.position[after.fraction > 0.0].T
     bend, d0 = case.geometry.runout_start, case.particles.spacing
-    number = ((x - bend) / (2.0 * d0)).astype(int)
-    number[x <= bend] = -1
+    height = height_over_floor(case, x, y, x)
+    number = np.floor((x - bend) / (2.0 * d0)).astype(int)
     places = np.arange(round(DEPOSIT / (2.0 * d0)))
-    tops = np.array([y[number == k].max(initial=0.0) for k in places])
-    middles = bend + (places + 0.5) * 2.0 * d0
-    rise = np.degrees(np.arctan(np.polyfit(middles, tops, 1)[0]))
-    depth = height_over_floor(case, middles, tops + 0.5 * d0, middles)
+    # over the floor, so that a place without sediment has the depth 0 and not that of x = 0
+    depth = np.array([height[number == k].max(initial=-0.5 * d0) for k in places]) + 0.5 * d0
+    along = (places + 0.5) * 2.0 * d0 / np.cos(runout_bend(case))
+    thinning = np.degrees(np.arctan(-np.polyfit(along, depth, 1)[0]))
     return Deposit(
         moved / d0,
         float(np.mean(x > bend)),
         float(depth[:3].mean()),
-        float(np.degrees(case.gravity.fall) - rise),
+        float(case.geometry.runout_slope + thinning),
     )
 
 
