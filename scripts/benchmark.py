@@ -41,7 +41,8 @@ from debrisflow.particles.state import State, initial_state
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.schemes.semi_implicit import SemiImplicit
 
-STEPS = {2: 12, 3: 80}
+STEPS = {2: SemiImplicit.REFRESH, 3: 2 * Explicit.REFRESH}
+"""Whole periods, in each of which lists are sorted and the multigrid hierarchy is built once."""
 TINY = 0.05
 LATE = 0.3
 SPACING = {
