@@ -13,7 +13,7 @@ from debrisflow.neighbors.lists import FixedNeighbors, Neighbors, group
 from debrisflow.neighbors.pairs import Near
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.record import Particles
-from debrisflow.schemes.wall_surface import solid_of
+from debrisflow.schemes.wall_particles import solid_of
 from debrisflow.space.domain import Domain
 
 Floats = NDArray[np.float64]

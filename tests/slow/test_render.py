@@ -21,10 +21,10 @@ from debrisflow.results.pictures import offscreen
 from debrisflow.results.pictures.coloring import KIND_COLORS, channels, scale_of
 from debrisflow.results.pictures.panels import PlanPanels, SidePanels, over_grid, straightened
 from debrisflow.results.pictures.render import DOTS, render
-from debrisflow.results.pictures.scene import scene_of
 from debrisflow.results.pictures.sheet import CENTIMETERS_PER_INCH, WIDTH
 from debrisflow.results.pictures.views import Camera, PerspectiveView, SectionView, Tiles, Window
 from debrisflow.run.folder import RunFolder
+from debrisflow.space.scene import scene_of
 from tests.building import tank3d_case
 
 WHITE = [255, 255, 255]

@@ -10,7 +10,7 @@ below.  The functions here take the record as their last argument and run the fo
 from __future__ import annotations
 
 from debrisflow._jit import kernel
-from debrisflow.physics.rheology.law import by_law
+from debrisflow.dispatch import by_law
 
 Law = tuple[float, ...]
 """The record of a law: a NamedTuple of its numbers."""

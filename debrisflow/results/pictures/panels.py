@@ -18,15 +18,6 @@ from debrisflow.particles.record import Kind
 from debrisflow.results.deposition import deposition
 from debrisflow.results.frames import Frame
 from debrisflow.results.pictures.coloring import Scale
-from debrisflow.results.pictures.scene import (
-    closed_ends,
-    edges_across,
-    floor_profile,
-    has_sides,
-    head_walls,
-    obstacle_faces,
-    scene_of,
-)
 from debrisflow.results.pictures.sheet import SMALL, panel_width
 from debrisflow.results.pictures.views import (
     OPENING,
@@ -38,6 +29,15 @@ from debrisflow.results.pictures.views import (
 )
 from debrisflow.space.floor import floor_bend, floor_level, height_over_floor
 from debrisflow.space.plan_grid import Grid, floor_length, plan, wrapped
+from debrisflow.space.scene import (
+    closed_ends,
+    edges_across,
+    floor_profile,
+    has_sides,
+    head_walls,
+    obstacle_faces,
+    scene_of,
+)
 
 Floats = NDArray[np.float64]
 Pixels = tuple[int, int]

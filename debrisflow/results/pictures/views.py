@@ -9,7 +9,7 @@ import pyvista
 from numpy.typing import NDArray
 
 from debrisflow.results.pictures.coloring import Colors
-from debrisflow.results.pictures.scene import Scene
+from debrisflow.space.scene import Scene
 
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8]
