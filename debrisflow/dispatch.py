@@ -1,4 +1,4 @@
-"""How a function of every law finds the formula of the law that it is given."""
+"""How a function finds the formula of the record that it is given: of a law, of a kind of walls."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from debrisflow._jit import OPTIONS, kernel
 Formula = Callable[..., Any]
 
 
-def by_law(usual: Formula) -> Formula:
-    """Return a function that is the formula of its last argument's law, the record of its numbers.
+def by_record(usual: Formula) -> Formula:
+    """Return a function that is the formula of its last argument, a record (NamedTuple).
 
-    That is the function of the same name in the module of the record; where it has none, ``usual``.
+    That is the function of the same name in the module of the record; where it has none, or the
+    module is that of ``usual``, it is ``usual``.
     In kernels the choice is made when they are compiled, by the type of the record, so that it
     costs nothing and Numba's cache on disk keeps it.  Python code and kernels that are not compiled
     choose at each call.
@@ -26,13 +27,13 @@ def by_law(usual: Formula) -> Formula:
     Parameters
     ----------
     usual : function
-        The formula of a law that has none of its own.  Its arguments are given by position.
+        The formula of a record that has none of its own.  Its arguments are given by position.
     """
     name, fallback = usual.__name__, kernel(usual)
 
     def formula_of(record: type) -> Formula:
         found: Formula = getattr(sys.modules[record.__module__], name, fallback)
-        return found
+        return fallback if found is chosen else found
 
     @wraps(usual)
     def chosen(*arguments: Any) -> Any:

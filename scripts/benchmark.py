@@ -179,6 +179,8 @@ def added_bytes(name: str, threads: int) -> float:
 
 def bytes_per_particle(name: str, threads: int) -> float:
     """Return the memory of a benchmark in three dimensions, measured in a fresh process."""
+    # what the tables of the set-up took for a moment goes back to the system, and not to the steps
+    os.environ["MALLOC_MMAP_THRESHOLD_"] = "131072"
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as fresh:
         return fresh.submit(added_bytes, name, threads).result()
 

@@ -96,11 +96,10 @@ def renewed(name: str, lines: Iterator[str]) -> str:
 
 def arrays() -> Iterator[str]:
     """Yield the table of the arrays in the particle files."""
-    yield "| array | unit | meaning | file |"
-    yield "|---|---|---|---|"
+    yield "| array | unit | meaning |"
+    yield "|---|---|---|"
     for array in ARRAYS:
-        files = ", ".join(f"`{file}`" for file in array.files)
-        yield f"| `{array.name}` | {array.unit} | {array.meaning} | {files} |"
+        yield f"| `{array.name}` | {array.unit} | {array.meaning} |"
 
 
 def sections(schema: dict[str, Any]) -> Iterator[str]:
@@ -142,6 +141,17 @@ def section(name: str, part: dict[str, Any], schema: dict[str, Any]) -> Iterator
                 yield f"- `{key}`: {part['properties'][key].get('description', '')}"
             yield ""
         yield from table(branch["properties"], schema, branch.get("required", []))
+        place = name if len(keys) > 1 else f"{name}.{keys[0]}"
+        for key, prop in branch["properties"].items():
+            for kind in branches(prop, schema):
+                yield from choice(f"{place}.NAME.{key}" if len(keys) > 1 else place, kind, schema)
+
+
+def choice(place: str, kind: dict[str, Any], schema: dict[str, Any]) -> Iterator[str]:
+    """Yield the lines on one of the tables among which a field within a table chooses."""
+    description = " ".join(kind.get("description", "").split())
+    yield f"\n`[{place}]`: {sentence(description)}\n"
+    yield from table(kind["properties"], schema, kind.get("required", []))
 
 
 def table(

@@ -31,12 +31,14 @@ from tests.validation import (
     film3d,
     flume,
     granular_shear,
+    ground3d,
     heap3d,
     hydrostatic,
     mixture_cube,
     rough_film,
     settling,
     spheric,
+    st_helens,
     still3d,
     viscous,
 )
@@ -423,6 +425,9 @@ def print_dams() -> None:
     """Print forces on dams, and what closed and slit dams hold back in the flume of B3."""
     for rows in (10, 20):
         click.echo(f"backwater, {rows} rows: force {dams3d.backwater(rows):.3f} of the closed form")
+    for thickness in (1.0, 0.5):
+        share = dams3d.wet_plate(thickness)
+        click.echo(f"plate {thickness} d0 thick in water: force {share:.3f} of the closed form")
     for rows in (5, 8):
         click.echo(f"jet, {rows} rows: force {dams3d.jet(rows):.3f} of rho Q u")
     for spacing in (0.01, 0.005):
@@ -436,6 +441,33 @@ def print_dams() -> None:
                 f"{found.peak_moment:.3f} N m, impulse {found.impulse:.3f} N s, first behind the "
                 f"dam at {found.overtopped:.3f} s"
             )
+
+
+def print_ground3d() -> None:
+    """Print how still water lies over grounds that are not level."""
+    for name in ground3d.SHAPES:
+        found = ground3d.run(name)
+        click.echo(
+            f"still water over a ground, {name}: speed {1e3 * found.speed:.0f} mm/s, mean current "
+            f"{1e3 * found.current:.1f} mm/s, time-mean pressure {found.pressure_error:.1%}, drift "
+            f"{found.drift:+.2%}, {found.lost} lost, {found.inside} in the ground"
+        )
+
+
+def print_st_helens() -> None:
+    """Print the run-out of the landslide near Mount St. Helens."""
+    changed = np.abs(st_helens.observed()) > st_helens.COUNTS
+    found = st_helens.run()
+    reached = found.reached > st_helens.COUNTS
+    click.echo(
+        f"St. Helens, d0 = 2 m: {found.volume:.0f} m3, {found.lost} lost, {found.inside} in the "
+        f"ground, nearest {found.nearest:.2f} d0; mean speed at 8, 40, 80, 120 s "
+        f"{np.interp([8, 40, 80, 120], found.times, found.speed).round(3).tolist()} m/s, "
+        f"{found.moving:.0%} faster than 1 cm/s at the end; farthest {found.farthest.max():.0f} m "
+        f"(observed {st_helens.observed_distance():.0f}); {reached.sum()} cells reached, of "
+        f"{changed.sum()} changed ones {(reached & changed).sum()}; greatest deposit "
+        f"{found.deposit.max():.1f} m"
+    )
 
 
 PARTS: dict[str, Callable[[], None]] = {
@@ -457,6 +489,8 @@ PARTS: dict[str, Callable[[], None]] = {
     "film3d": print_film3d,
     "deposit3d": print_deposit3d,
     "dams": print_dams,
+    "ground3d": print_ground3d,
+    "st_helens": print_st_helens,
 }
 
 

@@ -1,18 +1,30 @@
 """Patches of particles, their neighbors and small cases that several tests build."""
 
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 
+from debrisflow._jit import kernel
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
+from debrisflow.neighbors.boundary import PULLED_BACK, boundary_of
+from debrisflow.neighbors.boxes import Boxes
 from debrisflow.neighbors.lattice import reference
-from debrisflow.neighbors.lists import FixedNeighbors, Neighbors, group
+from debrisflow.neighbors.lists import Neighbors, group
+from debrisflow.neighbors.octant import octants
 from debrisflow.neighbors.pairs import Near
+from debrisflow.neighbors.surfaces import Surfaces
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.maxima import no_maxima
 from debrisflow.particles.state import State, initial_state
-from debrisflow.physics.compressible import Fluid, Numbers
+from debrisflow.physics.compressible import (
+    Fluid,
+    Numbers,
+    density_of,
+    pair_forces_at,
+    wall_forces_at,
+)
 from debrisflow.physics.drag import DragLaw
 from debrisflow.physics.operators import strain_rate, velocity_gradient_at
 from debrisflow.physics.rheology import consistency_at, power_law_viscosity
@@ -20,7 +32,8 @@ from debrisflow.physics.rheology.coulomb import Coulomb
 from debrisflow.physics.rheology.herschel_bulkley import HerschelBulkley
 from debrisflow.physics.rheology.none import NoStrength
 from debrisflow.physics.rheology.obrien_julien import OBrienJulien
-from debrisflow.run.loop import SCHEMES
+from debrisflow.schemes.choice import scheme_of
+from debrisflow.schemes.surfaces import elements_from
 from debrisflow.schemes.terms.term import Scene
 
 NOWHERE = np.zeros(3)  # periods of a domain that does not repeat
@@ -93,29 +106,21 @@ def one_list(
     )
 
 
-def two_lists(position, solid, lattice, period=NOWHERE, supply_from=None):
-    """Return who is near whom, with the moving particles in one list and walls in another.
-
-    As :class:`debrisflow.schemes.vicinity.TwoLists` has it.
-    """
-    count, radius = len(position), (lattice.effective_radius, lattice.spacing)
-    lists = Neighbors(*radius, period)
+def two_lists(position, lattice, period=NOWHERE, supply_from=None):
+    """Return who is near whom where walls are surfaces, as in ``vicinity.ListAndSurfaces``."""
+    count = len(position)
+    lists = Neighbors(lattice.effective_radius, lattice.spacing, period)
     lists.build(position, count)
-    wall, (wall_row, wall_count) = np.zeros((0, 8), np.int32), np.zeros((2, count), np.int32)
-    if len(solid.position):
-        walls = FixedNeighbors(solid.position, *radius, period)
-        walls.build(position)
-        wall, wall_row, wall_count = walls.index, walls.row, walls.count
     return _near(
         lattice,
         period,
         position=position,
         neighbors=lists.index,
         fluid_count=lists.count,
-        wall=wall,
-        wall_row=wall_row,
+        wall=None,
+        wall_row=None,
         wall_start=None,
-        wall_count=wall_count,
+        wall_count=None,
         pressed_count=None,
         wall_from=0,
         supply_from=count if supply_from is None else supply_from,
@@ -143,7 +148,6 @@ def solid_of(
     roughness=0.0,
     velocity=None,
     layers=1.0,
-    on_mesh=False,
 ):
     """Return wall particles that are all alike but for what is given as an array."""
     count = len(position)
@@ -162,14 +166,87 @@ def solid_of(
         roughness=roughnesses,
         velocity=None if velocity is None else vectors(velocity),
         contact_height=np.where(layers == 1.0, np.inf, -np.inf),  # at any height
-        on_mesh=np.full(count, on_mesh),
-        driving=np.zeros((count, 3)),
     )
 
 
 def no_solid():
     """Return no wall particles, for which kernels are compiled as for walls that may move."""
     return solid_of(np.zeros((0, 3)), velocity=0.0)
+
+
+class Plane(NamedTuple):
+    """A wall that fills the half space under a plane."""
+
+    point: tuple[float, ...] = (0.0, 0.0, 0.0)
+    normal: tuple[float, ...] = (0.0, 0.0, 1.0)
+    slip: float = 0.0
+
+
+def no_walls(count):
+    """Return what particles feel that are far from all surfaces."""
+    return boundary_of(np.full(count, -1, dtype=np.int32), np.zeros(1))
+
+
+def planes(position, lattice, *walls):
+    """Return what particles feel of half spaces, each a wall of its own."""
+    count, d0 = len(walls), lattice.spacing
+    upper = np.tile([np.inf, np.inf, 0.0], (count, 1))
+    boxes = boxes_from(
+        np.full((count, 3), -np.inf),
+        upper,
+        origin=[wall.point for wall in walls],
+        axes=[frame_of(wall.normal) for wall in walls],
+        inner_upper=upper - [0.0, 0.0, PULLED_BACK * d0],
+    )
+    return felt(position, lattice, boxes, [wall.slip for wall in walls])
+
+
+def frame_of(normal):
+    """Return a rotation, by rows, whose third row is the normal."""
+    normal = np.array(normal) / np.linalg.norm(normal)
+    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(normal, first), normal])
+
+
+def boxes_from(lower, upper, **known):
+    """Return boxes along the axes, each a wall of its own, but for what is known of them."""
+    lower, upper = np.atleast_2d(lower).astype(float), np.atleast_2d(upper).astype(float)
+    count = len(lower)
+    fields = {
+        "origin": np.zeros((count, 3)),
+        "axes": np.tile(np.eye(3), (count, 1, 1)),
+        "lower": lower,
+        "upper": upper,
+        "inner_lower": lower,
+        "inner_upper": upper,
+        "number": np.tile(np.arange(count)[:, None, None], (1, 3, 2)),
+        "is_floor": np.zeros(count, dtype=bool),
+        "is_thin": np.zeros((count, 3), dtype=bool),
+    }
+    return Boxes(**(fields | {name: np.array(value) for name, value in known.items()}))
+
+
+def felt(position, lattice, boxes, slip=(0.0,), elements=None, ground=None):
+    """Return what particles feel of boxes and of the elements of closed surfaces."""
+    surfaces = Surfaces(
+        boxes,
+        octants(lattice.effective_radius / lattice.spacing),
+        lattice.spacing,
+        np.array(slip, dtype=float),
+        no_elements() if elements is None else elements,
+        ground=ground,
+        skin=0.0,
+        period=NOWHERE,
+    )
+    surfaces.build(position, 0.0)
+    return surfaces.survey(position)
+
+
+def no_elements():
+    """Return no elements of closed surfaces."""
+    nothing = np.zeros((0, 3, 6)), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.bool_)
+    return elements_from(*nothing)
 
 
 def scene_of(particles, near, solid=None):
@@ -237,6 +314,17 @@ def fluid_of(count, **known):
     grains = known.pop("grain_pressure", 0.0)
     fields["total_pressure"] = known.get("pressure", fields["pressure"]) + grains
     return Fluid(**(fields | known))
+
+
+@kernel
+def acceleration_at(i, fluid, near, solid, numbers):
+    """Return acceleration, change of velocity by collisions, and what walls push and drag by."""
+    x, y, z, cx, cy, cz = pair_forces_at(i, fluid, near, numbers)
+    px, py, pz, sx, sy, sz = wall_forces_at(i, fluid, near, solid, numbers)
+    per, g = 1.0 / density_of(i, fluid.density, numbers), numbers.gravity
+    ax, ay, az = per * (x + px + sx), per * (y + py + sy), per * (z + pz + sz)
+    px, py, pz, sx, sy, sz = per * px, per * py, per * pz, per * sx, per * sy, per * sz
+    return ax + g[0], ay + g[1], az + g[2], cx, cy, cz, px, py, pz, sx, sy, sz
 
 
 def endless_channel(spacing, slope, layers, **tables):
@@ -334,7 +422,7 @@ def bed_case(spacing=0.02, **tables):
 
 def started(case):
     """Return scheme and state of a case before its first step."""
-    return SCHEMES[case.scheme.type](case), initial_state(case)
+    return scheme_of(case), initial_state(case)
 
 
 def advance(scheme, state, steps=None, until=None):

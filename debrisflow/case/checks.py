@@ -279,7 +279,7 @@ def memory_suffices(
     available = available_memory()
     if available is not None and expected["memory"] > available:
         message = (
-            f"makes about {expected['total']:,.0f} particles, which need "
+            f"makes about {expected['total']:,.0f} particles and needs "
             f"{size(expected['memory'])} of memory; {size(available)} are available"
         )
         yield Problem("particles.spacing", message, particles.spacing)

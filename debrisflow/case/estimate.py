@@ -6,7 +6,7 @@ import os
 from math import pi
 from pathlib import Path
 
-from debrisflow.case.bodies import BoxObstacle, MeshFill
+from debrisflow.case.bodies import MeshFill, MeshObstacle
 from debrisflow.case.regions import covered, recess, section_of_supply, surface_of
 from debrisflow.case.shapes import (
     Channel,
@@ -24,7 +24,10 @@ BYTES_A_PARTICLE = 800
 BYTES_A_NEIGHBOR = 50
 BYTES_OF_THE_PROGRAM = 200_000_000
 BYTES_IN_THREE = 400
-BYTES_A_CELL = 16  # of the box in which walls are drawn
+ELEMENTS = 30  # of a mesh in a square of a spacing, halved until none is wider than half of it
+BYTES_AN_ELEMENT = 200
+BYTES_BESIDE_A_MESH = 10_000  # lists of elements of the three rows over a square of it
+BYTES_OF_A_COLUMN = 150
 SKIN = 0.4
 
 
@@ -80,18 +83,14 @@ def _estimate_in_three(
     fill: tuple[AnyFill, ...],
     inflow: Inflow | None,
 ) -> dict[str, float]:
-    """Return the estimate of a tank or channel in three dimensions.
+    """Return the estimate of a tank or channel in three dimensions, whose walls are surfaces.
 
-    Obstacles by their surface and the layers under it, at most by their volume.
+    A mesh that is an obstacle takes memory by its surface, the maxima by the plan.
     """
     layers, spacing = int(particles.effective_radius) + 1, particles.spacing
-    if isinstance(geometry, Tank3D):
-        wall, drawn = _cells_of_tank(geometry, layers, spacing)
-    else:
-        wall, drawn = _cells_of_channel(geometry, layers, spacing)
-    for body in obstacle:
-        volume, surface = _volume_and_area(body)
-        wall += min(volume / spacing, surface * layers) / spacing / spacing
+    surfaces = [surface_of(body) for body in obstacle if isinstance(body, MeshObstacle)]
+    squares = sum(surface.area for surface in surfaces) / spacing / spacing
+    beside = squares * (BYTES_AN_ELEMENT * ELEMENTS + BYTES_BESIDE_A_MESH)
     volumes = [
         surface_of(part).volume if isinstance(part, MeshFill) else area.volume
         for part in fill
@@ -102,49 +101,22 @@ def _estimate_in_three(
     if inflow and isinstance(geometry, Channel3D):
         section = section_of_supply(inflow, geometry) / spacing / spacing
         waiting = section * (layers + geometry.length / spacing)
-    total = fluid + waiting + wall
+    total = fluid + waiting
+    memory = BYTES_OF_THE_PROGRAM + BYTES_IN_THREE * total + beside
     return {
         "fluid": fluid,
         "inflow": waiting,
-        "wall": wall,
+        "wall": 0.0,
         "total": total,
-        "memory": BYTES_OF_THE_PROGRAM + BYTES_IN_THREE * total + BYTES_A_CELL * drawn,
+        "memory": memory + BYTES_OF_A_COLUMN * _columns(geometry, spacing),
     }
 
 
-def _cells_of_tank(geometry: Tank3D, layers: int, spacing: float) -> tuple[float, float]:
-    """Return the number of wall particles, and of the cells among which they are found."""
-    long, wide, high = (s / spacing for s in (geometry.length, geometry.width, geometry.height))
-    across = wide if geometry.periodic else wide + 2 * layers
-    around = (long + 2 * layers) * across - long * wide
-    wall = (long + 2 * layers) * across * layers + around * high
-    return wall, (long + 2 * layers) * across * (high + layers)
-
-
-def _cells_of_channel(geometry: Channel3D, layers: int, spacing: float) -> tuple[float, float]:
-    """Return the same of a channel; of a plain only the head wall is found among cells."""
-    long, wide, high = (s / spacing for s in (geometry.length, geometry.width, geometry.height))
-    deep, crest = geometry.bed_thickness / spacing, geometry.weir_height / spacing
-    ends = 0.0 if geometry.periodic else 4.0 * layers
-    beyond, plain, head = 0.0, plain_of(geometry), 0.0
-    if plain is not None:
-        outer = (plain.back - plain.front) / spacing + 4.0 * layers
-        beyond = (long + 0.5 * ends - plain.start / spacing) * outer * layers
-        long, ends = plain.start / spacing, 0.5 * ends
-        head = (outer - wide) * (high + layers)
-    across, sides = wide + 2 * layers, 2.0 * layers * (high + deep)
-    closed = 0.0 if geometry.periodic else layers * wide * (high + crest)
-    wall = (long + ends) * (across * layers + sides) + 2.0 * deep * wide * layers + closed
-    drawn = (long + ends) * across * (high + deep + layers) + 4.0 * layers * head
-    return wall + beyond + layers * head, drawn
-
-
-def _volume_and_area(body: AnyObstacle) -> tuple[float, float]:
-    if not isinstance(body, BoxObstacle):
-        surface = surface_of(body)
-        return surface.volume, surface.area
-    a, b, c = (end - start for start, end in (body.x, body.y, body.z))
-    return a * b * c, 2 * (a * b + b * c + c * a)
+def _columns(geometry: Tank3D | Channel3D, spacing: float) -> float:
+    """Return the number of cells of the plan, two spacings wide, in which maxima are kept."""
+    plain = plain_of(geometry)
+    across = plain.back - plain.front if plain else geometry.width
+    return geometry.length / spacing * across / spacing / 4.0
 
 
 def available_memory() -> float | None:

@@ -13,8 +13,8 @@ TABLES = ("obstacle", "fill")
 def find_meshes(data: dict[str, object], folder: Path) -> dict[str, list[Problem]]:
     """Replace the names of mesh files by absolute paths, so that a run finds them again.
 
-    A run keeps the path and not the triangles: its checkpoint carries the wall particles, so that
-    it can be resumed as long as there is a closed mesh at that place.
+    A run keeps the path and not the triangles: it can be resumed as long as the mesh is at that
+    place, unchanged.
 
     Parameters
     ----------

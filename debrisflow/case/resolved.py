@@ -110,6 +110,11 @@ class ResolvedCase(Case):
     output: ResolvedOutput = _known(Case, "output")
 
     @property
+    def has_surfaces(self) -> bool:
+        """Whether walls are surfaces in the solution, not particles."""
+        return isinstance(self.scheme, ResolvedExplicitScheme) and self.scheme.form == "stable"
+
+    @property
     def semi_implicit_scheme(self) -> ResolvedScheme:
         """The scheme of a case that is computed by the semi-implicit one; TypeError of others."""
         if isinstance(self.scheme, ResolvedScheme):

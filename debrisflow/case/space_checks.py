@@ -48,6 +48,7 @@ FEWEST_SPACINGS = 4
 FEWEST_BED_SPACINGS = 3
 # degrees; its cosine is above ``neighbors.wall_access.EDGE``, so that a floor is no edge
 LARGEST_BEND = 25.0
+BY_COLUMN = ("manning", "voellmy")  # laws of friction by the mean velocity of a column
 
 
 def fills_of_dimension(geometry: Geometry, fill: Fill) -> Problems:
@@ -324,11 +325,29 @@ def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
         yield Problem(key, message, wall.velocity)
 
 
+def walls_with_friction(walls: Walls, geometry: Geometry) -> Problems:
+    """Check that a law of friction stands alone, in three dimensions, and suits its wall."""
+    for name, wall in walls:
+        if wall.friction is None:
+            continue
+        key, law = f"walls.{name}.friction", wall.friction.law
+        if not is_three_dimensional(geometry):
+            message = "exists only in three dimensions; in two a floor has slip and roughness"
+            yield Problem(f"{key}.law", message, law)
+        elif law in BY_COLUMN and name not in ("floor", "bed"):
+            message = "takes the mean of a column, and so is for a floor; use 'log' or 'coulomb'"
+            yield Problem(f"{key}.law", message, law)
+        for field in ("slip", "roughness"):
+            if was_set(wall, field):
+                message = f"is chosen by {key}; leave it out"
+                yield Problem(f"walls.{name}.{field}", message, getattr(wall, field))
+
+
 def walls_there(walls: Walls, geometry: Geometry) -> Problems:
     """Check that nothing is said of a wall that a geometry has not."""
     present = _walls_present(geometry)
     for name, wall in walls:
-        for field in ("slip", "roughness"):
+        for field in ("slip", "roughness", "friction"):
             if not present[name] and was_set(wall, field):
                 message = f"there is no {name} wall in this {geometry.type}"
                 yield Problem(f"walls.{name}.{field}", message, getattr(wall, field))
@@ -366,5 +385,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     fills_inside,
     fills_apart,
     walls_that_drag,
+    walls_with_friction,
     walls_there,
 )

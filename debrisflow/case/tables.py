@@ -13,6 +13,7 @@ from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
+from debrisflow.case.friction import Friction
 from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.probes import AnyProbe
 from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensional
@@ -106,6 +107,9 @@ class Wall(Table):
         "holds the flow by its viscosity, Newtonian and turbulent",
         0.0,
         ge=0,
+    )
+    friction: Friction | None = quantity(
+        NONE, "law of the friction along the wall, in three dimensions, instead of slip", None
     )
 
 
@@ -239,6 +243,12 @@ class ExplicitScheme(Table):
     """Numbers of the explicit, weakly compressible scheme."""
 
     type: Literal["explicit"]
+    form: Literal["stable", "study"] = quantity(
+        NONE,
+        "stable: recommended operators, walls are surfaces; study: those of the study, walls of "
+        "particles, for comparison",
+        "stable",
+    )
     sound_speed: float | None = quantity(
         "m/s",
         "numerical speed of sound c; ten times the speed of a free fall through the fills if "

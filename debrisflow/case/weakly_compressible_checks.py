@@ -30,6 +30,10 @@ from debrisflow.case.tables import (
 )
 
 Fill = tuple[AnyFill, ...]
+INSTEAD = {  # of fields of a wall
+    "velocity": "leave it out",
+    "roughness": "use friction = { law = 'log', roughness = ... }",
+}
 HAS_NONE = "the explicit scheme has none; leave it out"
 
 
@@ -97,10 +101,23 @@ def walls_at_rest(scheme: AnyScheme, walls: Walls) -> Problems:
     if not isinstance(scheme, ExplicitScheme):
         return
     for name, wall in walls:
-        for field in ("velocity", "roughness"):
-            if was_set(wall, field):
-                message = "has no effect in the explicit scheme; leave it out"
+        for field, instead in INSTEAD.items():
+            is_told = field == "roughness" and wall.friction is not None  # by another check
+            if was_set(wall, field) and not is_told:
+                message = f"has no effect in the explicit scheme; {instead}"
                 yield Problem(f"walls.{name}.{field}", message, getattr(wall, field))
+
+
+def laws_of_study(scheme: AnyScheme, strength: Strength, walls: Walls) -> Problems:
+    """Check that the study's form of the explicit scheme is asked for what the study has."""
+    if not isinstance(scheme, ExplicitScheme) or scheme.form == "stable":
+        return
+    instead = "not in scheme.form = 'study'; leave it out, or use 'stable'"
+    if not isinstance(strength, NoStrength):
+        yield Problem("strength.type", instead, strength.type)
+    for name, wall in walls:
+        if wall.friction is not None and wall.friction.law != "no-slip":
+            yield Problem(f"walls.{name}.friction.law", instead, wall.friction.law)
 
 
 def no_relaxation(scheme: AnyScheme, time: Time) -> Problems:
@@ -153,6 +170,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     mixture_of_one_kind,
     laws_of_mixture,
     walls_at_rest,
+    laws_of_study,
     no_relaxation,
     step_below_acoustic,
 )

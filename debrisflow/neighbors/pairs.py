@@ -44,13 +44,13 @@ class Near(NamedTuple):
         Neighbors of the first m particles; fluid and supply stand first in a row.
     fluid_count : (m,) int32 array
         Number of neighbors in a row that are fluid or supply.
-    wall : (m or fewer, capacity) int32 array
-        Neighbors among the walls; may be ``neighbors`` itself.
-    wall_row : (m,) int32 array
+    wall : (m or fewer, capacity) int32 array or None
+        Neighbors among the walls, ``neighbors`` itself; None where walls are surfaces.
+    wall_row : (m,) int32 array or None
         Row of ``wall`` that holds the neighbors of a particle.
     wall_start : (m,) int32 array or None
-        Place of the first wall in that row; 0 if None.
-    wall_count : (m,) int32 array
+        Place of the first wall in that row.
+    wall_count : (m,) int32 array or None
         Number of walls in that row.
     pressed_count : (m,) int32 array or None
         How many of these carry a pressure of their own; they stand first.
@@ -72,10 +72,10 @@ class Near(NamedTuple):
     position: Floats
     neighbors: Indices
     fluid_count: Indices
-    wall: Indices
-    wall_row: Indices
+    wall: Indices | None
+    wall_row: Indices | None
     wall_start: Indices | None
-    wall_count: Indices
+    wall_count: Indices | None
     pressed_count: Indices | None
     wall_from: int
     supply_from: int
@@ -85,6 +85,12 @@ class Near(NamedTuple):
     dimension: float
     number_density: float
     laplacian_lambda: float
+
+
+def repeats_of(period: Floats) -> Floats | None:
+    """Return periods, (3,) array, m, with their inverses, or None, as :class:`Near` has them."""
+    inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
+    return np.stack([period, inverse]) if period.any() else None
 
 
 @kernel

@@ -1,6 +1,8 @@
 """What a particle sees of a wall particle: height, contact, mirrored velocity.
 
-Letters as in :mod:`debrisflow.neighbors.pairs`.
+Letters as in :mod:`debrisflow.neighbors.pairs`.  The functions by record are those that kernels of
+both dimensions call: here stand their formulas for walls of particles, in
+:mod:`debrisflow.neighbors.boundary` those for surfaces.
 """
 
 from __future__ import annotations
@@ -11,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel
-from debrisflow.neighbors.pairs import inverse_distance, separation
+from debrisflow.dispatch import by_record
+from debrisflow.neighbors.pairs import coupling_weight, inverse_distance, separation, weight
 
 Floats = NDArray[np.float64]
 EDGE = 0.9  # greatest component of a unit normal at an edge of two axis-parallel faces
@@ -34,10 +37,6 @@ class Solid(NamedTuple):
         None where no wall moves.
     contact_height : (m,) float64 array, m
         Height over the surface below which contacts are looked for; -inf under the first layer.
-    on_mesh : (m,) bool array
-        Whether the surface is that of a mesh, of any direction, not along the axes.
-    driving : (m, 3) float64 array, m/s2
-        The part of gravity along a wall that drives the flow and that no pressure balances.
     """
 
     position: Floats
@@ -47,8 +46,6 @@ class Solid(NamedTuple):
     roughness: Floats
     velocity: Floats | None
     contact_height: Floats
-    on_mesh: NDArray[np.bool_]
-    driving: Floats
 
 
 @kernel
@@ -174,14 +171,82 @@ def face_towards(dx, dy, dz, nx, ny, nz, d0):
 def contact(dx, dy, dz, j, solid, near):
     """Return height over and normal of the surface that first-layer wall particle j stands for.
 
-    Infinite if the surface is not below; that of a mesh is the plane at the particle, up to a
-    spacing aside, since the particles stand on the lattice and not along the surface.
+    Infinite if the surface is not below.
     """
     nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
-    if not solid.on_mesh[j]:
-        return face_towards(dx, dy, dz, nx, ny, nz, near.spacing)
-    above = -(dx * nx + dy * ny + dz * nz)
-    aside2 = dx * dx + dy * dy + dz * dz - above * above
-    if above <= 0.0 or aside2 > near.spacing * near.spacing:
-        return np.inf, 0.0, 0.0, 0.0
-    return above - solid.depth[j], nx, ny, nz
+    return face_towards(dx, dy, dz, nx, ny, nz, near.spacing)
+
+
+@by_record
+def stick_count(i, near, solid):
+    """Return at how many places walls may hold particle i by viscosity."""
+    return near.wall_count[i]
+
+
+@by_record
+def stick_at(i, k, near, solid):
+    """Return how a wall holds particle i by viscosity at one of its places.
+
+    That is the sum of ``(2 Ds/n0) (w/r^2) (1 + s/h)``, 1/m2, 0 where it is free-slip; height over
+    and normal of the surface, m; the separation, m, half of which leads to where the strength is
+    asked for; the roughness, m; and the velocity of the wall, m/s.
+    """
+    j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+    height = height_over(dx, dy, dz, j, solid)
+    pull = coupling_weight(inverse, near) * wall_factor(height, j, solid, near)
+    u, v, w = velocity_of(j, solid.velocity)
+    return (
+        pull * (1.0 - solid.slip[j]),
+        max(height, 0.5 * near.spacing),
+        solid.normal[j, 0],
+        solid.normal[j, 1],
+        solid.normal[j, 2],
+        dx,
+        dy,
+        dz,
+        solid.roughness[j],
+        u,
+        v,
+        w,
+    )
+
+
+@by_record
+def wall_moments_at(i, velocity, near, solid):
+    """Return the moments of the velocity gradient over the walls of particle i.
+
+    ``M`` as (xx, xy, yy, xz, yz, zz) and ``B`` by rows, see
+    :func:`debrisflow.physics.operators.fluid_moments_at`.
+    """
+    xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        f = weight(inverse, near) * inverse * inverse
+        height = height_over(dx, dy, dz, j, solid)
+        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, near)
+        dx, dy, dz = across_wall(dx, dy, dz, j, solid)
+        xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
+        xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
+        ux, uy, uz = ux + f * du * dx, uy + f * du * dy, uz + f * du * dz
+        vx, vy, vz = vx + f * dv * dx, vy + f * dv * dy, vz + f * dv * dz
+        wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
+    return xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz
+
+
+@by_record
+def free_slip_face_at(i, near, solid):
+    """Return normal and height, m, of the nearest free-slip surface, r_e where there is none.
+
+    Only a surface that the particle stands over counts, none beyond its end.
+    """
+    nx, ny, nz, nearest = 0.0, 0.0, 0.0, near.effective_radius
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, _ = wall_pair(i, k, near, solid)
+        if solid.slip[j] == 0.0:
+            continue
+        height, ax, ay, az = contact(dx, dy, dz, j, solid, near)
+        if height < nearest:
+            nx, ny, nz, nearest = ax, ay, az, max(height, 0.0)
+    return nx, ny, nz, nearest

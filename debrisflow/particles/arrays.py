@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-FRAME = "vtu/NNNNNN.vtu"
-WALLS = "walls.vtu"
-
 
 class OutputArray(NamedTuple):
     """One array of the particle files, copied from the array of the same name in the particles.
@@ -31,10 +28,6 @@ class OutputArray(NamedTuple):
         1, or 3 for a vector.
     magnitude : str
         Name of the length of a vector, by which it is colored.
-    files : tuple of str
-        :data:`FRAME`, :data:`WALLS` or both.
-    dimensions : tuple of int
-        Space dimensions of the cases that write it.
     """
 
     name: str
@@ -44,8 +37,6 @@ class OutputArray(NamedTuple):
     label: str = ""
     components: int = 1
     magnitude: str = ""
-    files: tuple[str, ...] = (FRAME,)
-    dimensions: tuple[int, ...] = (2, 3)
 
     @property
     def color_key(self) -> str:
@@ -92,7 +83,6 @@ ARRAYS = (
         "0 liquid, 1 sediment, 2 mixture, 3 wall, 4 dummy wall, 5 inflow",
         "int8",
         "kind",
-        files=(FRAME, WALLS),
     ),
     OutputArray("on_free_surface", "", "1 on the free surface, else 0", "uint8"),
     OutputArray(
@@ -100,23 +90,7 @@ ARRAYS = (
         "",
         "number that the particle keeps for the whole run",
         "int64",
-        files=(FRAME, WALLS),
-    ),
-    OutputArray("wall", "", "index of the wall's name", "int8", files=(WALLS,), dimensions=(3,)),
-    OutputArray(
-        "wall_normal",
-        "",
-        "unit normal out of the wall",
-        "float32",
-        components=3,
-        files=(WALLS,),
-        dimensions=(3,),
     ),
 )
 
 COLORED = {array.color_key: array for array in ARRAYS if array.label}
-
-
-def arrays_in(file: str) -> tuple[OutputArray, ...]:
-    """Return the arrays of a kind of file, in the order in which they stand there."""
-    return tuple(array for array in ARRAYS if file in array.files)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.matter import reference_density
 from debrisflow.particles.record import Particles
+from debrisflow.space.bodies import in_walls
 
 LARGEST_GAP = 1.5  # spacings between two particles of one column
 
@@ -43,9 +43,9 @@ def compress(particles: Particles, case: ResolvedCase) -> None:
     first = np.concatenate([[0], np.flatnonzero(starts) + 1])
     column = np.repeat(np.arange(first.size), np.diff(first, append=order.size))
     last = np.append(first[1:], order.size) - 1
-    beneath = cell[order[first]]
-    beneath[:, up] -= 1
-    stands = are_among(beneath, cell[particles.fluid_count :])
+    beneath = (cell[order[first]] + 0.5) * d0
+    beneath[:, up] -= d0
+    stands = in_walls(case, beneath)
     load = gradient * d0 * particles.density[order] / reference_density(case)
     above = np.cumsum(load)
     compression = above[last][column] - above + 0.5 * load
@@ -74,13 +74,3 @@ def jitter(particles: Particles, case: ResolvedCase) -> None:
     rng = np.random.default_rng(case.particles.seed)
     step = rng.uniform(-reach, reach, (particles.fluid_count, 3))
     particles.position[particles.fluid, : case.dimension] += step[:, : case.dimension]
-
-
-def are_among(cells: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which of the (n, 3) cells stand among the (m, 3) others."""
-    every = np.concatenate([cells, others])
-    every -= every.min(axis=0)
-    sides = every.max(axis=0) + 1
-    keys = (every[:, 0] * sides[1] + every[:, 1]) * sides[2] + every[:, 2]
-    found: NDArray[np.bool_] = np.isin(keys[: len(cells)], keys[len(cells) :])
-    return found

@@ -30,9 +30,8 @@ def seed(case: ResolvedCase) -> Particles:
     columns = first_columns(case) if case.inflow is not None else []
     inflow_count = sum(column.count for column in columns)
     groups += columns
-    solid = _walls(case)
-    wall_count = int(np.count_nonzero(solid.kind == Kind.WALL))
-    particles = solid
+    particles = blank(0) if case.has_surfaces else wall_particles(case)
+    wall_count = int(np.count_nonzero(particles.kind == Kind.WALL))
     if case.drag.law == "none":
         particles.relative_velocity = particles.owed_displacement = np.zeros((0, 3))
     for group in reversed(groups):
@@ -98,7 +97,8 @@ def _evenly_mixed(position: Floats, share: float, rng: np.random.Generator) -> N
     return is_sediment
 
 
-def _walls(case: ResolvedCase) -> Particles:
+def wall_particles(case: ResolvedCase) -> Particles:
+    """Return the walls of a case drawn by particles, those of the first layer first."""
     points = wall_points(case)
     order = np.argsort(points.layer > 1, kind="stable")
     points = WallPoints._make(field[order] for field in points)

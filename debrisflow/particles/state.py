@@ -56,6 +56,9 @@ class State:
         The number that the next new particle gets.
     sums : dict of str to float64 array
         Running sum of each probe that has one, by the name of the probe.
+    wall_force : (walls, 6) float64 array, N, N m
+        Force and its moment about the origin on each wall and obstacle in the last step, where
+        walls are surfaces and a probe asks for it; else without rows.  No checkpoint holds it.
     """
 
     particles: Particles
@@ -73,6 +76,7 @@ class State:
     supply_sediment: float = 0.0
     next_id: int = 0
     sums: dict[str, Floats] = field(default_factory=dict)
+    wall_force: Floats = field(default_factory=lambda: np.zeros((0, 6)))
 
 
 def count_phases(

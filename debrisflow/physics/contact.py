@@ -6,6 +6,7 @@ import numpy as np
 from numba import prange
 
 from debrisflow._jit import kernel, loop
+from debrisflow.neighbors.boundary import face_at, face_count
 from debrisflow.neighbors.pairs import BLOCK, fluid_pair
 from debrisflow.neighbors.wall_access import contact, height_over, velocity_of, wall_pair
 
@@ -103,26 +104,40 @@ def collide(velocity, density, distance, restitution, near, solid, collided):
 
 
 @kernel
-def is_inside_wall_at(i, near, solid):
-    """Return whether particle i is where a wall particle of the second layer or deeper stands."""
-    for k in range(near.wall_count[i]):
-        j, dx, dy, dz, _ = wall_pair(i, k, near, solid)
-        aside = max(abs(dx), abs(dy), abs(dz))
-        if solid.depth[j] > near.spacing and aside < 0.5 * near.spacing:
-            return True
-    return False
+def held_off_at(i, u, v, w, reach, sliding, solid):
+    """Return a velocity of particle i, m/s, without what leads into faces nearer than ``reach``, m.
+
+    What a face takes presses on it, and slows the particle along it by the coefficient of friction
+    of its wall, ``sliding``, (walls,) array.
+    """
+    for f in range(face_count(i, solid)):
+        distance, nx, ny, nz, number = face_at(i, f, solid)
+        approach = -(u * nx + v * ny + w * nz)
+        if distance >= reach or approach <= 0.0:
+            continue
+        u, v, w = u + approach * nx, v + approach * ny, w + approach * nz
+        speed = np.sqrt(u * u + v * v + w * w)
+        kept = 1.0 - min(sliding[number] * approach / max(speed, 1e-300), 1.0)
+        u, v, w = kept * u, kept * v, kept * w
+    return u, v, w
 
 
 @kernel
-def _find_inside_walls(first, last, near, solid, inside):
+def _hold_off_walls(first, last, reach, sliding, solid, velocity):
     for i in range(first, last):
-        inside[i] = is_inside_wall_at(i, near, solid)
+        u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+        u, v, w = held_off_at(i, u, v, w, reach, sliding, solid)
+        velocity[i, 0], velocity[i, 1], velocity[i, 2] = u, v, w
 
 
 @loop
-def find_inside_walls(near, solid, inside):
-    """Write which fluid particles went into a wall, (n,) bool array."""
-    n = inside.size
+def hold_off_walls(reach, sliding, solid, velocity):
+    """Take from the velocity of all fluid particles what leads into walls that they touch.
+
+    After the exchange of momentum, whose other forces know no contact: without it deposits sink
+    into the floor, from 0.30 to 0.08 d0 in 60 s.
+    """
+    n = velocity.shape[0]
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
-        _find_inside_walls(first, last, near, solid, inside)
+        _hold_off_walls(first, last, reach, sliding, solid, velocity)

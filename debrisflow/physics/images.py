@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.pairs import BLOCK, coupling_weight
-from debrisflow.neighbors.wall_access import contact, wall_pair
+from debrisflow.neighbors.wall_access import free_slip_face_at
 
 Floats = NDArray[np.float64]
 ALIKE = 0.9  # cosine between the normals of surfaces that are taken for one plane
@@ -40,26 +40,9 @@ def no_mirrors(count: int) -> Mirrors:
 
 
 @kernel
-def mirror_at(i, near, solid):
-    """Return normal and height of :class:`Mirrors` of particle i.
-
-    Only a surface that the particle stands over counts, none beyond its end.
-    """
-    nx, ny, nz, nearest = 0.0, 0.0, 0.0, near.effective_radius
-    for k in range(near.wall_count[i]):
-        j, dx, dy, dz, _ = wall_pair(i, k, near, solid)
-        if solid.slip[j] == 0.0:
-            continue
-        height, ax, ay, az = contact(dx, dy, dz, j, solid, near)
-        if height < nearest:
-            nx, ny, nz, nearest = ax, ay, az, max(height, 0.0)
-    return nx, ny, nz, nearest
-
-
-@kernel
 def _find_mirrors(first, last, near, solid, mirrors):
     for i in range(first, last):
-        nx, ny, nz, height = mirror_at(i, near, solid)
+        nx, ny, nz, height = free_slip_face_at(i, near, solid)
         mirrors.normal[i, 0] = nx
         mirrors.normal[i, 1] = ny
         mirrors.normal[i, 2] = nz

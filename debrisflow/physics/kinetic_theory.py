@@ -5,8 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from debrisflow._jit import kernel
+
+Floats = NDArray[np.float64]
 
 
 class Grains(NamedTuple):
@@ -63,7 +66,7 @@ def granular_viscosity(c, temperature, grains):
     """Return ``0.8 C^2 d_m rho_s g0 (1 + e) sqrt(T / pi)``, Pa s.
 
     Half of the factor of S in equation (10) and, in three dimensions, in equation (19), whose bulk
-    viscosity acts on ``div v`` and is left out: the study takes that to be 0.
+    viscosity acts on ``div v``, which the study takes to be 0: only its own form has it.
     """
     g0 = radial_distribution(c, grains.packing_limit)
     return (
@@ -76,6 +79,21 @@ def granular_viscosity(c, temperature, grains):
         * (1.0 + grains.restitution)
         * np.sqrt(temperature / np.pi)
     )
+
+
+def bulk_viscosity(c: Floats, temperature: Floats, grains: Grains) -> Floats:
+    """Return ``4 C^2 d_m rho_s g0 (1 + e) sqrt(T) / (3 sqrt(pi))`` of equation (19), Pa s.
+
+    Parameters
+    ----------
+    c, temperature : (n,) float64 array, -, m2/s2
+    grains : Grains
+    """
+    clipped = np.minimum(c, grains.largest_concentration)
+    g0 = 1.0 / (1.0 - np.cbrt(clipped / grains.packing_limit))
+    dense = clipped**2 * grains.diameter * grains.density * g0 * (1.0 + grains.restitution)
+    found: Floats = 4.0 / 3.0 * dense * np.sqrt(temperature / np.pi)
+    return found
 
 
 @kernel

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.pairs import BLOCK, coupling_weight, fluid_pair
-from debrisflow.neighbors.wall_access import height_over, velocity_of, wall_factor, wall_pair
+from debrisflow.neighbors.wall_access import stick_at, stick_count
 from debrisflow.physics.images import image_weight
 from debrisflow.physics.rheology import (
     harmonic_mean,
@@ -204,22 +204,20 @@ def wall_drag_at(i, velocity, near, solid, flow, law, down):
     """
     drag, x, y, z = 0.0, 0.0, 0.0, 0.0
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    for k in range(near.wall_count[i]):
-        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
-        height = height_over(dx, dy, dz, j, solid)
-        per_height = 1.0 / max(height, 0.5 * near.spacing)
-        wall_u, wall_v, wall_w = velocity_of(j, solid.velocity)
+    for k in range(stick_count(i, near, solid)):
+        pull, height, nx, ny, nz, dx, dy, dz, roughness, wall_u, wall_v, wall_w = stick_at(
+            i, k, near, solid
+        )
+        per_height = 1.0 / height
         du, dv, dw = u - wall_u, v - wall_v, w - wall_w
         du, dv, dw = per_height * du, per_height * dv, per_height * dw
-        nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
         rate = rate_between(i, i, nx, ny, nz, 1.0, du, dv, dw, flow.gradient, flow.shear_rate)
         depth = 0.5 * (down[0] * dx + down[1] * dy + down[2] * dz)
         strength = max(flow.strength[i] + depth * flow.deepening[i], 0.0)
         mu = yielding_viscosity(flow.ramp[i] * strength, rate, law)
         mu += flow.ramp[i] * mean_power_law_viscosity(i, i, flow.consistency, rate, law)
-        mu += flow.viscosity[i] - (flow.eddies[i] if solid.roughness[j] > 0.0 else 0.0)
-        mu *= wall_factor(height, j, solid, near) * (1.0 - solid.slip[j])
-        pull = coupling_weight(inverse, near) * mu
+        mu += flow.viscosity[i] - (flow.eddies[i] if roughness > 0.0 else 0.0)
+        pull *= mu
         drag += pull
         x, y, z = x + pull * wall_u, y + pull * wall_v, z + pull * wall_w
     return drag, x, y, z
@@ -236,7 +234,20 @@ def _add_images(i, near, mirrors, value):
 
 @kernel
 def _couple_momentum(
-    first, last, dt, velocity, near, solid, flow, mirrors, law, down, value, diagonal, right
+    first,
+    last,
+    dt,
+    velocity,
+    near,
+    solid,
+    flow,
+    mirrors,
+    law,
+    down,
+    value,
+    diagonal,
+    right,
+    drags,
 ):
     for i in range(first, last):
         u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
@@ -255,13 +266,14 @@ def _couple_momentum(
             total += value[i, k]
         drag, x, y, z = wall_drag_at(i, velocity, near, solid, flow, law, down)
         diagonal[i] = flow.density[i] + total + dt * drag
+        drags[i] = dt * drag
         right[i, 0] += dt * x
         right[i, 1] += dt * y
         right[i, 2] += dt * z
 
 
 @loop
-def couple_momentum(dt, velocity, near, solid, flow, mirrors, law, down, couplings, right):
+def couple_momentum(dt, velocity, near, solid, flow, mirrors, law, down, couplings, right, drags):
     """Write the rows of the implicit exchange of momentum, and add the walls to the right side.
 
         rho_i u_i + dt sum of K_ij (u_i - u_j) = rho_i u*_i,
@@ -269,7 +281,8 @@ def couple_momentum(dt, velocity, near, solid, flow, mirrors, law, down, couplin
 
     K is symmetric: what one particle loses the other gains.  Coefficients are those of the
     velocities before the step, one pass.  A no-slip wall has its own velocity, mirrored; behind
-    a free-slip wall stand images of the fluid.
+    a free-slip wall stand images of the fluid.  ``drags``, (n,) array, kg/m3, is what the no-slip
+    walls have of the diagonal.
     """
     n = couplings.diagonal.size
     for block in prange((n + BLOCK - 1) // BLOCK):
@@ -288,4 +301,5 @@ def couple_momentum(dt, velocity, near, solid, flow, mirrors, law, down, couplin
             couplings.value,
             couplings.diagonal,
             right,
+            drags,
         )

@@ -16,12 +16,7 @@ from debrisflow.neighbors.pairs import (
     is_inside,
     weight,
 )
-from debrisflow.neighbors.wall_access import (
-    across_wall,
-    height_over,
-    wall_pair,
-    wall_velocity_difference,
-)
+from debrisflow.neighbors.wall_access import wall_moments_at, wall_pair
 
 LEAST_SPREAD = 4e-3
 """Below this the neighbors stand too nearly on a line or plane for a gradient across it."""
@@ -152,18 +147,12 @@ def velocity_gradient_at(i, velocity, near, solid):
     none, give 0.
     """
     xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz = fluid_moments_at(i, velocity, near)
-    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    for k in range(near.wall_count[i]):
-        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
-        f = weight(inverse, near) * inverse * inverse
-        height = height_over(dx, dy, dz, j, solid)
-        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, near)
-        dx, dy, dz = across_wall(dx, dy, dz, j, solid)
-        xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
-        xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
-        ux, uy, uz = ux + f * du * dx, uy + f * du * dy, uz + f * du * dz
-        vx, vy, vz = vx + f * dv * dx, vy + f * dv * dy, vz + f * dv * dz
-        wx, wy, wz = wx + f * dw * dx, wy + f * dw * dy, wz + f * dw * dz
+    walls = wall_moments_at(i, velocity, near, solid)
+    xx, xy, yy = xx + walls[0], xy + walls[1], yy + walls[2]
+    xz, yz, zz = xz + walls[3], yz + walls[4], zz + walls[5]
+    ux, uy, uz = ux + walls[6], uy + walls[7], uz + walls[8]
+    vx, vy, vz = vx + walls[9], vy + walls[10], vz + walls[11]
+    wx, wy, wz = wx + walls[12], wy + walls[13], wz + walls[14]
     if near.dimension < 3.0:
         zz = 0.5 * (xx + yy)  # nothing varies along z
     return solve_gradient(xx, xy, yy, xz, yz, zz, ux, uy, uz, vx, vy, vz, wx, wy, wz)

@@ -13,7 +13,7 @@ import pyvista
 from numpy.typing import NDArray
 
 from debrisflow.errors import OutputError
-from debrisflow.particles.arrays import FRAME, arrays_in
+from debrisflow.particles.arrays import ARRAYS
 from debrisflow.run.measures import is_fluid
 
 Floats = NDArray[np.float64]
@@ -87,7 +87,7 @@ def read_frame(time: float, file: Path) -> Frame:
             # pyvista also warns about the errors that the catcher raises
             warnings.simplefilter("ignore")
             mesh = pyvista.read(file)
-        arrays = {a.name: np.asarray(mesh.point_data[a.name]) for a in arrays_in(FRAME)}
+        arrays = {a.name: np.asarray(mesh.point_data[a.name]) for a in ARRAYS}
         return Frame(time, np.asarray(mesh.points), arrays)
     except (RuntimeError, KeyError, ValueError) as error:
         raise OutputError(f"{file} is damaged: VTK cannot read its arrays") from error

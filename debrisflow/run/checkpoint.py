@@ -18,6 +18,7 @@ from debrisflow.run.atomic import replaced
 # the records in a state, by the names of its fields
 PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima}
 SUMS = "sums"
+OF_A_STEP = {"wall_force"}  # what each step finds anew
 
 
 def save(path: Path, state: State) -> None:
@@ -65,6 +66,8 @@ def load(path: Path) -> State:
 
 def _put(group: h5py.Group, record: State | Particles | Maxima) -> None:
     for field in fields(record):
+        if field.name in OF_A_STEP:
+            continue
         value = getattr(record, field.name)
         if field.name in PARTS:
             _put(group.create_group(field.name), value)
@@ -88,7 +91,7 @@ def _taken(group: h5py.Group, record: type[Any]) -> dict[str, Any]:
     """Return the arrays and scalars of a group; a missing one is an error, never a default."""
     arrays = {name: item[()] for name, item in group.items() if isinstance(item, h5py.Dataset)}
     found = arrays | {name: value.item() for name, value in group.attrs.items()}
-    expected = {field.name for field in fields(record)} - PARTS.keys() - {SUMS}
+    expected = {field.name for field in fields(record)} - PARTS.keys() - {SUMS} - OF_A_STEP
     for names, word in ((expected - found.keys(), "lacks"), (found.keys() - expected, "has")):
         if names:
             raise KeyError(f"it {word} {', '.join(sorted(names))}")

@@ -12,7 +12,6 @@ from typing import Any, Self
 
 from debrisflow.case import ResolvedCase, dump_case
 from debrisflow.errors import OutputError
-from debrisflow.particles.arrays import WALLS
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
 from debrisflow.run.deposit import DepositWriter
@@ -21,7 +20,8 @@ from debrisflow.run.maxima import write_maxima
 from debrisflow.run.measures import DepositProfile
 from debrisflow.run.probe import ProbeWriter, is_probe_file
 from debrisflow.run.probes import columns_of
-from debrisflow.run.vtu import FOLDER, Collection, write_walls
+from debrisflow.run.vtu import FOLDER, Collection
+from debrisflow.run.walls_file import WALLS, write_walls
 
 CASE = "case.toml"
 FRAMES = "particles.pvd"
@@ -140,16 +140,15 @@ class RunFolder:
     def write_frame(self, state: State) -> None:
         """Write the particles as the next frame, and the maxima until then.
 
-        In three dimensions most particles are walls, which do not move.  They are written once into
-        a file of their own, and the frames hold the fluid and the inflow particles.
+        In three dimensions walls are written once, into a file of their own, as surfaces.
         """
         p = state.particles
+        rows = slice(None)
+        if self.case.dimension == 3 and not (self.path / WALLS).exists():
+            write_walls(self.path / WALLS, self.case)
         if self.case.dimension == 3:
-            if not (self.path / WALLS).exists():
-                write_walls(self.path / WALLS, p)
-            self._frames.append(state.time, p, slice(0, p.inflow.stop))
-        else:
-            self._frames.append(state.time, p)
+            rows = slice(0, p.inflow.stop)
+        self._frames.append(state.time, p, rows)
         self.write_maxima(state)
 
     def write_maxima(self, state: State) -> None:

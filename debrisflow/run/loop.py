@@ -13,7 +13,7 @@ from typing import Any
 
 from debrisflow._jit import THREADING_LAYER, cores, set_threads
 from debrisflow.case import ResolvedCase, load_case
-from debrisflow.errors import DivergedError, NotConvergedError
+from debrisflow.errors import DivergedError, NotConvergedError, OutputError
 from debrisflow.particles.state import State, initial_state
 from debrisflow.run import checkpoint
 from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder
@@ -24,18 +24,13 @@ from debrisflow.run.probes import samplers
 from debrisflow.run.progress import Progress
 from debrisflow.run.schedule import Schedule
 from debrisflow.run.summary import summary
-from debrisflow.schemes.explicit import Explicit
-from debrisflow.schemes.semi_implicit import SemiImplicit
+from debrisflow.schemes.choice import scheme_of
 
 LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
 INTERRUPTED = "interrupted"
-SCHEMES: dict[str, type[SemiImplicit] | type[Explicit]] = {
-    "semi-implicit": SemiImplicit,
-    "explicit": Explicit,
-}
 
 
 def simulate(
@@ -75,6 +70,11 @@ def resume(folder: Path, threads: int | None = None) -> dict[str, Any]:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`."""
     case = load_case(folder / CASE)
     state = checkpoint.load(folder / CHECKPOINT)
+    if case.has_surfaces and state.particles.count > state.particles.moving.stop:
+        raise OutputError(
+            f"{folder / CHECKPOINT} was written by a version of debrisflow whose walls were "
+            "particles and cannot be continued; start the run again with: debrisflow run"
+        )
     probes = samplers(case, state)
     with RunFolder.open(folder, case) as results, Progress(case, state) as shown:
         results.rewind(state.time)
@@ -96,7 +96,7 @@ class _Run:
     ) -> None:
         self.case, self.results, self.state = case, results, state
         self.probes, self.progress = probes, progress
-        self.scheme = SCHEMES[case.scheme.type](case)
+        self.scheme = scheme_of(case)
         useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
         self.threads = set_threads(threads or min(cores(), useful))
         start, end, output = -case.time.relaxation, case.time.end, case.output

@@ -8,7 +8,7 @@ from debrisflow._jit import COMPILATIONS
 from debrisflow.case import load_case
 from debrisflow.case.templates import templates
 from debrisflow.particles.state import initial_state
-from debrisflow.run.loop import SCHEMES
+from debrisflow.schemes.choice import scheme_of
 
 STEPS = 2  # only the second step checks whether the neighbor lists are out of date
 # for choices that no shipped case makes; each law of strength has kernels of its own
@@ -62,7 +62,7 @@ def compile_kernels(path: Path, changes: tuple[str, ...]) -> float:
     """
     before = COMPILATIONS.seconds
     case = load_case(path, changes)
-    scheme, state = SCHEMES[case.scheme.type](case), initial_state(case)
+    scheme, state = scheme_of(case), initial_state(case)
     scheme.fill_number_density(state)
     for _ in range(STEPS):
         dt = scheme.stable_dt(state)

@@ -57,7 +57,8 @@ class Sampler:
         The table of the probe in the case.
     case : ResolvedCase
     particles : Particles
-        At the start of the run or of its continuation.
+        At the start of the run or of its continuation; those by which walls are drawn if it reads
+        walls in three dimensions.
 
     Attributes
     ----------
@@ -71,6 +72,11 @@ class Sampler:
     def __init__(self, probe: Probe, case: ResolvedCase, particles: Particles) -> None:
         """Check the place of the probe; raise a CaseError if the run finds it wrong."""
         raise NotImplementedError
+
+    @staticmethod
+    def reads_walls(case: ResolvedCase) -> bool:
+        """Return whether it looks for a place on the walls as particles draw them."""
+        return False
 
     @staticmethod
     def columns(dimension: int) -> tuple[Column, ...]:

@@ -9,7 +9,7 @@ import meshio
 import numpy as np
 
 from debrisflow.errors import OutputError
-from debrisflow.particles.arrays import FRAME, WALLS, arrays_in
+from debrisflow.particles.arrays import ARRAYS
 from debrisflow.particles.record import Particles
 from debrisflow.run.atomic import replaced
 
@@ -29,27 +29,9 @@ def write_particles(path: Path, particles: Particles, rows: slice = slice(None))
     rows : slice, optional
         Which particles; all by default.
     """
-    _write_points(path, particles, rows, FRAME)
-
-
-def write_walls(path: Path, particles: Particles) -> None:
-    """Write the wall and dummy particles, which do not move, as :func:`write_particles` does.
-
-    ``wall`` is the place of the wall's name in :func:`debrisflow.space.domain.wall_names`.
-
-    Parameters
-    ----------
-    path : Path
-    particles : Particles
-    """
-    _write_points(path, particles, slice(particles.inflow.stop, None), WALLS)
-
-
-def _write_points(path: Path, particles: Particles, rows: slice, file: str) -> None:
     position = particles.position[rows]
     data = {
-        array.name: getattr(particles, array.name)[rows].astype(array.storage)
-        for array in arrays_in(file)
+        array.name: getattr(particles, array.name)[rows].astype(array.storage) for array in ARRAYS
     }
     vertices = np.arange(len(position))[:, None]
     mesh = meshio.Mesh(position, [("vertex", vertices)], point_data=data)

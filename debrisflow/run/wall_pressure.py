@@ -15,9 +15,9 @@ from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase, shapes, tables
 from debrisflow.case.shapes import plain_of
-from debrisflow.particles.hydrostatic_start import are_among
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import State
+from debrisflow.space.bodies import are_among
 from debrisflow.space.domain import domain, wall_names
 from debrisflow.space.floor import floor_level, height_over_floor, is_over_floor
 from debrisflow.space.gravity import gravity_vector
@@ -45,7 +45,7 @@ class Faces(NamedTuple):
     normal: Floats
 
 
-def wall_faces(case: ResolvedCase, particles: Particles, name: str) -> Faces:
+def wall_faces(case: ResolvedCase, walls: Particles, name: str) -> Faces:
     """Return the faces of a wall or obstacle that the fluid can touch.
 
     A wall cell has a face toward every open cell beside it; a cell at an edge has two or three.
@@ -55,16 +55,15 @@ def wall_faces(case: ResolvedCase, particles: Particles, name: str) -> Faces:
     Parameters
     ----------
     case : ResolvedCase
-    particles : Particles
-        With all wall particles, dummies among them.
+    walls : Particles
+        Particles by which all walls are drawn, whatever else is among them.
     name : str
         One of :func:`debrisflow.space.domain.wall_names`.
     """
-    d0, axes = case.particles.spacing, case.dimension
-    solid = slice(particles.inflow.stop, particles.count)
-    cell, follows = _cells(particles.position[solid], d0, axes)
-    own = particles.wall[solid] == wall_names(case).index(name)
-    own &= particles.kind[solid] == Kind.WALL
+    d0, axes, drawn = case.particles.spacing, case.dimension, np.flatnonzero(walls.wall >= 0)
+    cell, follows = _cells(walls.position[drawn], d0, axes)
+    own = walls.wall[drawn] == wall_names(case).index(name)
+    own &= walls.kind[drawn] == Kind.WALL
     period = np.rint(domain(case).period / d0).astype(np.int64)
     lattice = cell[own & follows]
     position, normal = [], []
@@ -77,9 +76,9 @@ def wall_faces(case: ResolvedCase, particles: Particles, name: str) -> Faces:
             shown &= _in_space(case, (beside + 0.5) * d0)
             position.append((lattice[shown] + 0.5 * (1.0 + step)) * d0)
             normal.append(np.tile(step, (int(np.count_nonzero(shown)), 1)))
-    rows = np.flatnonzero(own & ~follows) + solid.start
-    outward, depth = particles.wall_normal[rows], particles.wall_depth[rows, None]
-    surface = particles.position[rows] + depth * outward
+    rows = drawn[own & ~follows]
+    outward, depth = walls.wall_normal[rows], walls.wall_depth[rows, None]
+    surface = walls.position[rows] + depth * outward
     inside = _in_space(case, surface + 0.5 * d0 * outward)
     faces = Faces(
         np.concatenate([*position, surface[inside]]), np.concatenate([*normal, outward[inside]])

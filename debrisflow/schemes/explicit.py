@@ -7,14 +7,17 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.case.strength import FrictionalStrength, NoStrength
+from debrisflow.neighbors.boundary import find_inside
+from debrisflow.neighbors.height_field import HeightField
 from debrisflow.particles.inflow_outflow import remove_lost
 from debrisflow.particles.matter import concentrations
 from debrisflow.particles.state import State
-from debrisflow.physics.contact import find_inside_walls
 from debrisflow.schemes.records import numbers_of
 from debrisflow.schemes.scheme import Scheme
+from debrisflow.schemes.terms.base_friction import BaseFrictions
 from debrisflow.schemes.terms.collision_stress import MixtureCollisions
 from debrisflow.schemes.terms.concentration import Concentration
+from debrisflow.schemes.terms.contact import WallContact
 from debrisflow.schemes.terms.density import Density
 from debrisflow.schemes.terms.eddies import Eddies
 from debrisflow.schemes.terms.forces import Forces
@@ -22,9 +25,10 @@ from debrisflow.schemes.terms.grain_pressure import GrainPressure, SharedPressur
 from debrisflow.schemes.terms.momentum_exchange import MomentumExchange
 from debrisflow.schemes.terms.motion import Motion
 from debrisflow.schemes.terms.shear import Shear
-from debrisflow.schemes.terms.term import Term
+from debrisflow.schemes.terms.term import Step, Term
 from debrisflow.schemes.terms.viscosity import MixtureViscosity
-from debrisflow.schemes.vicinity import TwoLists
+from debrisflow.schemes.terms.wall_forces import WallForces
+from debrisflow.schemes.vicinity import ListAndSurfaces
 
 RESIDUAL = 0.01
 """Share of gravity that the exchange of momentum may leave out of balance."""
@@ -39,11 +43,23 @@ class Explicit(Scheme):
     that has no bound, momentum is exchanged implicitly between forces and motion:
 
         (1 + dt K / rho) u' = u + dt a(r, u, p)
+
+    Parameters
+    ----------
+    case : ResolvedCase
+    ground : HeightField, optional
+        Ground over the floor of the case.
     """
 
-    def __init__(self, case: ResolvedCase) -> None:
+    def __init__(self, case: ResolvedCase, ground: HeightField | None = None) -> None:
         super().__init__(case)
-        self._lists = self.vicinity = TwoLists(case, self.lattice, self.domain)
+        self._lists = self.vicinity = ListAndSurfaces(
+            case,
+            self.lattice,
+            self.domain,
+            ground,
+            shares_drag=not isinstance(case.strength, NoStrength),
+        )
         self.terms = self._terms(case)
 
     def _terms(self, case: ResolvedCase) -> tuple[Term, ...]:
@@ -57,12 +73,25 @@ class Explicit(Scheme):
         is_implicit = not isinstance(strength, NoStrength)
         is_sheared = is_implicit or (stress.enabled and stress.granular_temperature == "algebraic")
         collisions = MixtureCollisions(case, numbers.density, numbers.sound_speed, is_implicit)
-        exchange = MomentumExchange(case, gravity, RESIDUAL, is_smooth=False, least_viscosity=least)
+        frictions = BaseFrictions(case, is_implicit=is_implicit)
+        has_friction = any(np.any(values) for values in frictions.friction)
+        exchange = MomentumExchange(
+            case,
+            gravity,
+            RESIDUAL,
+            is_smooth=False,
+            least_viscosity=least,
+            walls=frictions if has_friction else None,
+        )
+        reach = numbers.collision_distance - 0.5 * self.lattice.spacing
         grains = None
         if isinstance(strength, FrictionalStrength):
             balance = SharedPressure if is_even else GrainPressure
             grains = balance(case, strength, gravity)
         self._density = Density(numbers, is_even)
+        forces = Forces(numbers, is_even, is_even and not stress.enabled, not is_implicit)
+        wall_forces = WallForces() if any(p.type == "force" for p in case.probe) else None
+        self._at_rest = (forces, wall_forces) if wall_forces else ()
         self._motion = Motion(case, self.domain, LARGEST_PATH)
         terms = (
             MixtureViscosity(case),
@@ -71,17 +100,24 @@ class Explicit(Scheme):
             collisions if stress.enabled else None,
             Eddies(case) if is_implicit else None,
             self._density,
-            Forces(numbers, is_even, is_even and not stress.enabled, not is_implicit),
+            forces,
             grains,
             exchange if is_implicit else None,
+            WallContact(reach, frictions.friction.sliding) if is_implicit else None,
+            frictions if has_friction else None,
+            wall_forces,
             self._motion,
         )
         return tuple(term for term in terms if term is not None)
 
     def fill_number_density(self, state: State) -> None:
-        """Write number density and pressure of a state that no step has seen yet."""
+        """Write number density, pressure and forces on walls of a state that no step has seen."""
         scene, p = self.observe(state), state.particles
         p.compression[p.moving] = self._density.advance(scene, 0.0, p.pressure[p.moving])
+        velocity, pressure = p.velocity[p.moving].copy(), p.pressure[p.moving]
+        still = Step(scene, self.stable_dt(state), velocity, pressure)
+        for term in self._at_rest:
+            term.act(still)
 
     def _update_neighbors(self, state: State) -> None:
         p = state.particles
@@ -92,7 +128,7 @@ class Explicit(Scheme):
         super()._update_neighbors(state)
         if is_fresh:
             lost = np.empty(p.fluid_count, dtype=np.bool_)
-            find_inside_walls(self._lists.near, self._lists.solid, lost)
+            find_inside(self._lists.near.spacing, self._lists.solid, lost)
             if lost.any():
                 remove_lost(state, lost)
                 self._lists.update(p, is_fresh)

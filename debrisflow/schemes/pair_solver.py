@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from debrisflow._jit import kernel, loop
 from debrisflow.errors import NotConvergedError
 from debrisflow.neighbors.pairs import BLOCK, Near
+from debrisflow.physics.operators import cofactors
 
 Floats = NDArray[np.float64]
 MOST_ITERATIONS = 1000
@@ -26,11 +27,43 @@ class Couplings(NamedTuple):
     diagonal : (n,) float64 array
     is_free : (n,) bool array
         False where x is given.
+    hold : (n, 6) float64 array or None
+        What is added to the diagonal of a vector x_i, a symmetric matrix as xx, xy, yy, xz, yz, zz;
+        None for nothing.
     """
 
     value: NDArray[np.float32]
     diagonal: Floats
     is_free: NDArray[np.bool_]
+    hold: Floats | None = None
+
+
+@kernel
+def _held(i, a, hold, x):
+    """Return component a of what is added to row i of the product with x."""
+    if hold is None:
+        return 0.0
+    else:
+        first = 0 if a == 0 else (1 if a == 1 else 3)
+        second = 1 if a == 0 else (2 if a == 1 else 4)
+        third = 3 if a == 0 else (4 if a == 1 else 5)
+        return hold[i, first] * x[i, 0] + hold[i, second] * x[i, 1] + hold[i, third] * x[i, 2]
+
+
+@kernel
+def _eased(i, a, diagonal, hold, rest):
+    """Return component a of the residual of row i times the inverse of its diagonal block."""
+    if hold is None:
+        return rest[i, a] / diagonal[i]
+    else:
+        d, h = diagonal[i], hold
+        xx, xy, yy, xz, yz, zz, determinant = cofactors(
+            d + h[i, 0], h[i, 1], d + h[i, 2], h[i, 3], h[i, 4], d + h[i, 5]
+        )
+        x, y, z = rest[i, 0], rest[i, 1], rest[i, 2]
+        along_x, along_y = xx * x + xy * y + xz * z, xy * x + yy * y + yz * z
+        along_z = xz * x + yz * y + zz * z
+        return (along_x if a == 0 else (along_y if a == 1 else along_z)) / determinant
 
 
 @kernel
@@ -44,9 +77,9 @@ def _apply(first, last, couplings, near, p, q):
                 j = np.uint32(near.neighbors[i, k])
                 a = couplings.value[i, k]
                 x, y, z = x + a * p[j, 0], y + a * p[j, 1], z + a * p[j, 2]
-            q[i, 0] = couplings.diagonal[i] * p[i, 0] - x
-            q[i, 1] = couplings.diagonal[i] * p[i, 1] - y
-            q[i, 2] = couplings.diagonal[i] * p[i, 2] - z
+            q[i, 0] = couplings.diagonal[i] * p[i, 0] - x + _held(i, 0, couplings.hold, p)
+            q[i, 1] = couplings.diagonal[i] * p[i, 1] - y + _held(i, 1, couplings.hold, p)
+            q[i, 2] = couplings.diagonal[i] * p[i, 2] - z + _held(i, 2, couplings.hold, p)
         else:
             x = 0.0
             for k in range(near.fluid_count[i]):
@@ -69,11 +102,13 @@ def _multiply(couplings, near, p, q, partial):
 @loop
 def _begin(couplings, right, x, rest, p):
     """Write the residual, from ``rest = A x``, and the step p of Jacobi's iteration."""
-    for i in prange(x.shape[0]):
-        for a in range(x.shape[1]):
-            r = right[i, a] - rest[i, a] if couplings.is_free[i] else 0.0
-            rest[i, a] = r
-            p[i, a] = r / couplings.diagonal[i]
+    n = x.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, n)):
+            for a in range(x.shape[1]):
+                rest[i, a] = right[i, a] - rest[i, a] if couplings.is_free[i] else 0.0
+            for a in range(x.shape[1]):
+                p[i, a] = _eased(i, a, couplings.diagonal, couplings.hold, rest)
 
 
 @loop
@@ -88,16 +123,20 @@ def _advance(couplings, alpha, p, q, x, rest, partial):
                 r = rest[i, a] - alpha * q[i, a]
                 rest[i, a] = r
                 square += r * r
-                inner += r * r / couplings.diagonal[i]
+            for a in range(x.shape[1]):
+                inner += rest[i, a] * _eased(i, a, couplings.diagonal, couplings.hold, rest)
         partial[block, 0] = square
         partial[block, 1] = inner
 
 
 @loop
 def _turn(couplings, rest, beta, p):
-    for i in prange(p.shape[0]):
-        for a in range(p.shape[1]):
-            p[i, a] = rest[i, a] / couplings.diagonal[i] + beta * p[i, a]
+    n = p.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        for i in range(block * BLOCK, min(block * BLOCK + BLOCK, n)):
+            for a in range(p.shape[1]):
+                eased = _eased(i, a, couplings.diagonal, couplings.hold, rest)
+                p[i, a] = eased + beta * p[i, a]
 
 
 @kernel

@@ -8,11 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
+from debrisflow.neighbors.boundary import Boundary
+from debrisflow.neighbors.height_field import HeightField
 from debrisflow.neighbors.lattice import Reference
-from debrisflow.neighbors.lists import FixedNeighbors, Neighbors, group
-from debrisflow.neighbors.pairs import Near
+from debrisflow.neighbors.lists import Neighbors, group
+from debrisflow.neighbors.pairs import Near, repeats_of
 from debrisflow.neighbors.wall_access import Solid
+from debrisflow.neighbors.wall_shares import share_drag
 from debrisflow.particles.record import Particles
+from debrisflow.schemes.surfaces import surfaces_of
 from debrisflow.schemes.wall_particles import solid_of
 from debrisflow.space.domain import Domain
 
@@ -21,16 +25,15 @@ LEAST_SKIN, GREATEST_SKIN = 0.15, 0.6  # spacings
 
 
 class Vicinity(Protocol):
-    """Neighbors of the particles of a run.
+    """Neighbors of the particles of a run, and what they feel of the walls."""
 
-    Attributes
-    ----------
-    near : Near
-    solid : Solid
-    """
+    @property
+    def near(self) -> Near:
+        """Who is near whom."""
 
-    near: Near
-    solid: Solid
+    @property
+    def solid(self) -> Solid | Boundary:
+        """The walls, of particles or as surfaces."""
 
     def update(self, particles: Particles, is_fresh: bool) -> None:
         """Bring the lists up to the places of the particles; build them anew if ``is_fresh``."""
@@ -79,16 +82,36 @@ class OneList:
         )
 
 
-class TwoLists:
-    """Fluid and supply in one list, and walls, which are sorted once, in another."""
+class ListAndSurfaces:
+    """Fluid and supply in one list; walls are surfaces.
+
+    Parameters
+    ----------
+    case : ResolvedCase
+    lattice : Reference
+    domain : Domain
+    ground : HeightField, optional
+        Over the floor.
+    shares_drag : bool
+        Whether the drag of no-slip walls counts, see :mod:`debrisflow.neighbors.wall_shares`.
+    """
 
     near: Near
-    solid: Solid
+    solid: Boundary
 
-    def __init__(self, case: ResolvedCase, lattice: Reference, domain: Domain) -> None:
-        self._case, self._lattice, self._period = case, lattice, domain.period
+    def __init__(
+        self,
+        case: ResolvedCase,
+        lattice: Reference,
+        domain: Domain,
+        ground: HeightField | None = None,
+        *,
+        shares_drag: bool = False,
+    ) -> None:
+        self._shares_drag = shares_drag
+        self._lattice, self._period = lattice, domain.period
         self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
-        self._walls: FixedNeighbors | None = None
+        self._surfaces = surfaces_of(case, GREATEST_SKIN, ground)
 
     def choose_skin(self, path: float) -> None:
         """Weigh building lists often against passing over many neighbors out of reach.
@@ -107,20 +130,12 @@ class TwoLists:
     def update(self, particles: Particles, is_fresh: bool) -> None:
         """See :class:`Vicinity`."""
         p, position = particles, particles.position[particles.moving]
-        if self._walls is None:
-            self.solid = solid_of(p, self._case)
-            self._walls = FixedNeighbors(
-                self.solid.position,
-                self._lattice.effective_radius,
-                self._lattice.spacing,
-                self._period,
-                GREATEST_SKIN,
-            )
         if is_fresh or self._lists.is_stale(position, p.moving.stop):
             self._lists.set_skin(self._skin)
-            self._walls.set_skin(self._skin)
             self._lists.build(position, p.moving.stop)
-            self._walls.build(position)
+            self._surfaces.build(position, self._lists.skin)
+            self._surfaces.cut(position, self._lists)
+        self.solid = self._surfaces.survey(position)
         self.near = _near(
             self._lattice,
             self._period,
@@ -128,20 +143,21 @@ class TwoLists:
             position=position,
             neighbors=self._lists.index,
             fluid_count=self._lists.count,
-            wall=self._walls.index,
-            wall_row=self._walls.row,
+            wall=None,
+            wall_row=None,
             wall_start=None,
-            wall_count=self._walls.count,
+            wall_count=None,
             pressed_count=None,
             wall_from=0,
         )
+        if self._shares_drag and np.any(self.solid.slip == 0.0):
+            share_drag(self.near, self.solid)
 
 
 def _near(lattice: Reference, period: Floats, particles: Particles, **lists: Any) -> Near:
-    inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
     return Near(
         supply_from=particles.fluid_count,
-        period=np.stack([period, inverse]) if period.any() else None,
+        period=repeats_of(period),
         spacing=lattice.spacing,
         effective_radius=lattice.effective_radius,
         dimension=float(lattice.dimension),

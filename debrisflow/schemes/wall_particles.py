@@ -9,38 +9,41 @@ from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.space.domain import WALL_NAMES
-from debrisflow.space.floor import driving_gravity
 
 Floats = NDArray[np.float64]
+
+
+def slips(case: ResolvedCase) -> Floats:
+    """Return 1 for walls and obstacles, in their order, that are free-slip, 0 for no-slip.
+
+    Along a wall with a law of friction other than 'no-slip' the fluid slips.
+    """
+    named = [getattr(case.walls, name) for name in WALL_NAMES]
+    how = [wall.slip if wall.friction is None else wall.friction.law for wall in named]
+    how += [part.slip for part in case.obstacle]
+    return np.array([float(condition != "no-slip") for condition in how])
+
+
+def roughnesses(case: ResolvedCase) -> Floats:
+    """Return the equivalent sand roughness of walls and obstacles, in their order, m."""
+    named = [getattr(case.walls, name).roughness for name in WALL_NAMES]
+    return np.array([*named, *np.zeros(len(case.obstacle))])
 
 
 def solid_of(particles: Particles, case: ResolvedCase) -> Solid:
     """Return what is known of the wall particles, which do not change their places."""
     p, walls = particles, slice(particles.inflow.stop, particles.count)
-    named = [getattr(case.walls, name) for name in WALL_NAMES]
-    slip = np.array([float(wall.slip == "free-slip") for wall in (*named, *case.obstacle)])
-    roughness = np.array([wall.roughness for wall in named] + [0.0] * len(case.obstacle))
-    is_mesh = [False] * len(WALL_NAMES) + [part.type == "mesh" for part in case.obstacle]
-    on_mesh, normal, depth = np.array(is_mesh)[p.wall[walls]], p.wall_normal[walls], p.wall_depth
+    normal, depth = p.wall_normal[walls], p.wall_depth[walls]
     reach = (case.scheme.collision_distance - 0.5) * case.particles.spacing
-    contact = _contact_height(normal, depth[walls], reach, case.particles.spacing)
-    contact = np.where(on_mesh, reach, contact)
-    velocity = p.velocity[walls].copy()
-    is_three_dimensional = case.dimension == 3
+    contact = _contact_height(normal, depth, reach, case.particles.spacing)
     return Solid(
         position=p.position[walls].copy(),
         normal=normal.copy(),
-        depth=depth[walls].copy(),
-        slip=slip[p.wall[walls]],
-        roughness=roughness[p.wall[walls]],
-        velocity=None if is_three_dimensional else velocity,
+        depth=depth.copy(),
+        slip=slips(case)[p.wall[walls]],
+        roughness=roughnesses(case)[p.wall[walls]],
+        velocity=p.velocity[walls].copy(),
         contact_height=np.where(p.kind[walls] == Kind.WALL, contact, -np.inf),
-        on_mesh=on_mesh,
-        driving=(
-            driving_gravity(case, p.position[walls, 0], normal)
-            if is_three_dimensional
-            else np.zeros_like(normal)
-        ),
     )
 
 

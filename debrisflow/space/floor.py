@@ -56,34 +56,6 @@ def floor_bend(case: ResolvedCase, x: Floats) -> Floats:
     return np.where(x > runout.start, runout_bend(case), 0.0)
 
 
-def driving_gravity(case: ResolvedCase, x: Floats, normal: Floats) -> Floats:
-    """Return the part of gravity that drives the flow along walls of a channel, (m, 3) m/s2.
-
-    Neither across the wall nor across the floor at x, where pressure balances it.  0 in a tank, in
-    which the fluid comes to rest.  In three dimensions.
-
-    Parameters
-    ----------
-    case : ResolvedCase
-    x : (m,) float64 array, m
-        Of particles of the walls.
-    normal : (m, 3) float64 array
-        Out of the walls.
-    """
-    if not isinstance(case.geometry, shapes.ChannelShape):
-        return np.zeros_like(normal)
-    bend = floor_bend(case, x)
-    floor = np.column_stack([-np.sin(bend), np.zeros_like(bend), np.cos(bend)])
-    rest = normal - np.sum(normal * floor, axis=1)[:, None] * floor
-    size = np.linalg.norm(rest, axis=1)[:, None]
-    other = np.divide(rest, size, out=np.zeros_like(rest), where=size > 1e-9)
-    along, upward = case.gravity.components
-    driving = np.tile([along, 0.0, upward], (len(normal), 1))
-    for axis in (floor, other):
-        driving -= np.sum(driving * axis, axis=1)[:, None] * axis
-    return driving
-
-
 def height_over_floor(case: ResolvedCase, x: Floats, y: Floats, at: Floats) -> Floats:
     """Return the heights of points over the floor that is under ``at``, along its normal, m."""
     bend = floor_bend(case, at)

@@ -94,6 +94,15 @@ def floor_ends(case: ResolvedCase, x: float, y: float) -> tuple[Floats, Floats]:
     return first[: case.dimension - 1], last[: case.dimension - 1]
 
 
+def floor_extent(case: ResolvedCase) -> Floats:
+    """Return the ends of the floor of three dimensions along x and y, (2, 2) array, m."""
+    shape, plain = case.geometry, plain_of(case.geometry)
+    if not is_three_dimensional(shape):
+        raise TypeError("a floor extends across in three dimensions only")
+    across = (plain.front, plain.back) if plain else (0.0, shape.width)
+    return np.array([(0.0, floor_length(case)), across])
+
+
 def wrapped(case: ResolvedCase, position: Floats) -> Floats:
     """Return positions brought back into the first period of a case that repeats, (n, 3), m."""
     period = domain(case).period

@@ -7,7 +7,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
-from debrisflow.particles.arrays import ARRAYS, COLORED, FRAME, arrays_in
+from debrisflow.particles.arrays import ARRAYS, COLORED
 from debrisflow.particles.record import blank
 from debrisflow.results.frames import Frame
 from debrisflow.results.pictures.coloring import values
@@ -19,7 +19,6 @@ def test_each_array_is_one_of_the_particles(array):
     assert held.shape == ((2,) if array.components == 1 else (2, array.components))
     assert np.can_cast(held.dtype, array.storage, "same_kind") or array.storage == "uint8"
     assert array.meaning
-    assert array.files
     assert bool(array.magnitude) == (array.components > 1 and bool(array.label))
 
 
@@ -39,7 +38,7 @@ def frame():
     particles = blank(3)
     particles.velocity[:] = [[3.0, 4.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 2.0]]
     particles.pressure[:] = [1.0, 2.0, 3.0]
-    arrays = {array.name: getattr(particles, array.name) for array in arrays_in(FRAME)}
+    arrays = {array.name: getattr(particles, array.name) for array in ARRAYS}
     return Frame(0.5, particles.position, arrays)
 
 

@@ -8,6 +8,7 @@ from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.case.estimate import particle_estimate
 from debrisflow.particles.inflow_outflow import remove_leaving
+from debrisflow.particles.seeding import seed, wall_particles
 from debrisflow.run import probes
 from debrisflow.run.wall_pressure import wall_faces
 from debrisflow.space.domain import LEFT, WALL_NAMES, domain, wall_layers
@@ -199,11 +200,14 @@ def test_an_obstacle_at_the_mouth_is_whole():
     assert len(np.unique(own.round(6), axis=0)) == len(own)
 
 
-@pytest.mark.parametrize("kind", [*KINDS, "weir", "straight"])
-def test_the_number_of_wall_particles_is_foretold(kind):
-    shape = KINDS.get(kind, {"weir": BED | {"weir_height": 0.1}, "straight": {}}.get(kind))
-    case = flume(geometry=shape)
-    assert particle_estimate(case)["wall"] == pytest.approx(len(wall_points(case).layer), rel=0.25)
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_number_of_particles_is_foretold_and_walls_are_none(kind):
+    case = flume(geometry=KINDS[kind], inflow={"depth": 0.1, "velocity": 1.0})
+    found, particles = particle_estimate(case), seed(case)
+    assert found["fluid"] == pytest.approx(particles.fluid_count, rel=1e-12)
+    assert found["inflow"] >= particles.inflow_count > 0
+    assert found["wall"] == particles.wall_count == 0
+    assert particles.count == particles.fluid_count + particles.inflow_count
 
 
 def left_and_through(case, *places):
@@ -278,23 +282,21 @@ def test_the_bed_fills_the_recess_over_the_width():
 
 def test_faces_of_walls_are_those_that_the_flow_can_touch():
     case = flume(geometry=PLAIN)
-    _, state = started(case)
-    front = wall_faces(case, state.particles, "front")
+    front = wall_faces(case, wall_particles(case), "front")
     x, y, _ = front.position.T
     side, head = front.normal[:, 1] > 0.99, front.normal[:, 0] > 0.99
     assert np.all(side | head)
     assert np.count_nonzero(side) == 28 * 16
     np.testing.assert_allclose(x[head], START)
     assert y[head].min() > FRONT_EDGE
-    floor = wall_faces(case, state.particles, "floor")
+    floor = wall_faces(case, wall_particles(case), "floor")
     area = START * WIDTH + (LENGTH - START) / np.cos(BEND) * (BACK_EDGE - FRONT_EDGE)
     assert len(floor.position) * D0**2 == pytest.approx(area, rel=0.03)
 
 
 def test_no_face_of_a_side_wall_lies_below_a_bent_floor():
     case = flume(geometry=RUNOUT)
-    _, state = started(case)
-    x, _, z = wall_faces(case, state.particles, "front").position.T
+    x, _, z = wall_faces(case, wall_particles(case), "front").position.T
     assert height_over_floor(case, x, z, x).min() > 0.0
 
 

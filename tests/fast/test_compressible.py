@@ -4,21 +4,23 @@ import numpy as np
 import pytest
 
 from debrisflow.neighbors import lattice
+from debrisflow.neighbors.boundary import LEAST_HEIGHT, PULLED_BACK, STRETCH, wall_sums_at
+from debrisflow.neighbors.half_space import lever_beyond, push_beyond
 from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.pairs import weight
-from debrisflow.neighbors.wall_access import Solid
 from debrisflow.physics import compressible
 from tests.building import (
     NOWHERE,
     RADII,
+    Plane,
+    acceleration_at,
     fluid_of,
     lattice_block,
+    no_walls,
     numbers_of,
-    one_list,
+    planes,
     random_patch,
     separations,
-    shear_rate_at,
-    solid_of,
     two_lists,
 )
 
@@ -26,7 +28,7 @@ SPACING = 0.5
 LATTICE = reference(3, 2.4, SPACING)
 LENGTH = 9.0 * SPACING  # a little more than three radii of the list, the least for a period
 PERIODS = [NOWHERE, np.array([0.0, LENGTH, 0.0])]
-NO_WALLS = solid_of(np.zeros((0, 3)))
+NO_WALLS = no_walls(729)
 GRADIENT = 3.0 / LATTICE.number_density
 LAPLACIAN = 2.0 * GRADIENT / LATTICE.laplacian_lambda
 
@@ -64,13 +66,15 @@ def fluid(rng, request):
 
 
 @pytest.fixture
-def solid(rng):
-    """Return 150 wall particles anywhere, with normals in all directions, some free-slip."""
-    normal = rng.normal(size=(150, 3))
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    depth, slip = rng.uniform(0.0, 3.0, 150) * SPACING, rng.choice([0.0, 1.0], 150)
-    solid = solid_of(random_patch(3, 150, rng, LENGTH), normal, depth, slip)
-    return solid._replace(driving=rng.normal(0.0, 5.0, (150, 3)))
+def solid(position):
+    """Return what the particles feel of a free-slip and two no-slip walls, not at right angles."""
+    return planes(
+        position,
+        LATTICE,
+        Plane((0.0, 0.0, 0.2), (0.36, -0.48, 0.8)),
+        Plane((0.1, 0.0, 0.0), (1.0, 0.0, 0.0), slip=1.0),
+        Plane((0.0, LENGTH, 0.0), (0.0, -0.8, 0.6)),
+    )
 
 
 @pytest.fixture
@@ -82,26 +86,31 @@ def block():
 
 def rows(function, position, fluid, solid, period=NOWHERE, **changes):
     """Return what a function of one particle returns for each, (n, k) float64 array."""
-    near, numbers = two_lists(position, solid, LATTICE, period), numbers_of(LATTICE, **changes)
+    near, numbers = two_lists(position, LATTICE, period), numbers_of(LATTICE, **changes)
     return np.array([function(i, fluid, near, solid, numbers) for i in range(len(position))])
 
 
 def middle_row(function, position, fluid, solid=NO_WALLS, **changes):
     """Return what a function of one particle returns for the one nearest to the origin."""
-    near, numbers = two_lists(position, solid, LATTICE), numbers_of(LATTICE, **changes)
+    near, numbers = two_lists(position, LATTICE), numbers_of(LATTICE, **changes)
     i = int(np.argmin(np.linalg.norm(position, axis=1)))
     return np.array(function(i, fluid, near, solid, numbers))
 
 
-def all_pairs(position, solid, period):
-    """Return separation, distance and weight of all pairs in the fluid and with the walls."""
-    found = []
-    for others in (position, solid.position):
-        r = separations(position, period, others)
-        distance = np.linalg.norm(r, axis=2)
-        distance[distance == 0.0] = np.inf  # itself
-        found.append((r, distance, np.maximum(LATTICE.effective_radius / distance - 1.0, 0.0)))
-    return found
+def all_pairs(position, period):
+    """Return separation, distance and weight of all pairs."""
+    r = separations(position, period)
+    distance = np.linalg.norm(r, axis=2)
+    distance[distance == 0.0] = np.inf  # itself
+    return r, distance, np.maximum(LATTICE.effective_radius / distance - 1.0, 0.0)
+
+
+def wall_sums(solid):
+    """Return n, m, G and the matrices T of every particle over the walls."""
+    sums = np.array([wall_sums_at(i, solid) for i in range(solid.row.size)])
+    xx, yy, zz, xy, xz, yz = sums[:, 5:].T
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).transpose(2, 0, 1)
+    return sums[:, 0], sums[:, 1], sums[:, 2:5], tensor
 
 
 def densities(fluid):
@@ -122,15 +131,13 @@ def balance(parts):
 def test_densities_and_continuity_are_the_sums_over_all_pairs(position, fluid, solid, period):
     found = rows(compressible.density_rate_at, position, fluid, solid, period)
     numbers = numbers_of(LATTICE)
-    (r, d, w), (r_wall, d_wall, w_wall) = all_pairs(position, solid, period)
-    n, m = w.sum(axis=1) + w_wall.sum(axis=1), 1.0
-    for distance in (d, d_wall):
-        q = np.minimum(distance / LATTICE.effective_radius, 1.0)
-        m += lattice.smooth_weight(q).sum(axis=1)
+    (r, d, w), (wall_n, wall_m, push, _) = all_pairs(position, period), wall_sums(solid)
+    q = np.minimum(d / LATTICE.effective_radius, 1.0)
+    n, m = w.sum(axis=1) + wall_n, 1.0 + lattice.smooth_weight(q).sum(axis=1) + wall_m
     u, s = fluid.velocity, fluid.compression
     u_ij = u[None] - u[:, None]
     flow = (np.sum(u_ij * r, axis=2) * w / d**2).sum(axis=1)
-    flow -= np.einsum("ik,ijk,ij->i", u, r_wall, w_wall / d_wall**2)
+    flow -= 2.0 * np.sum(u * push, axis=1)
     rho = densities(fluid)
     heavy = 0.5 * (rho[None] + rho[:, None]) / 1000.0
     buoyant = s[None] - s[:, None] - heavy * (r @ numbers.gravity) / 20.0**2
@@ -191,10 +198,48 @@ def test_diffusion_conserves_the_mean_compression(position, fluid, period):
     assert relative @ calm < 0.0
 
 
+def pushes(position, fluid, solid, period, numbers):
+    """Return the force of the walls by their pressure, from sums over all pairs, N/m3."""
+    (r, d, w), (_, _, push, spread) = all_pairs(position, period), wall_sums(solid)
+    p, rho, third = fluid.total_pressure, densities(fluid), LATTICE.number_density / 3.0
+    found = np.zeros_like(position)
+    for i in np.flatnonzero(push.any(axis=1)):
+        f = w[i] / d[i] ** 2
+        matrix = np.einsum("j,jk,jl->kl", f, r[i], r[i])
+        matrix += compressible.LEAST_MOMENT * third * np.eye(3)
+        right = (f * (p - p[i])) @ r[i]
+        for normal in solid.normal[solid.row[i], : solid.faces[solid.row[i]]]:
+            across = compressible.STIFF_ACROSS * third * normal
+            matrix += np.outer(across, normal)
+            right += across * rho[i] * (numbers.gravity @ normal)
+        toward = 2.0 * p[i] * push[i] + spread[i] @ np.linalg.solve(matrix, right)
+        out = push[i] / np.linalg.norm(push[i])
+        found[i] = -GRADIENT * (toward + max(p[i] * (push[i] @ out) - toward @ out, 0.0) * out)
+    return found
+
+
+def drags(velocity, viscosity, solid):
+    """Return the force of no-slip walls by viscosity, N/m3."""
+    found = np.zeros_like(velocity)
+    for i in np.flatnonzero(solid.row >= 0):
+        row, r_e = solid.row[i], LATTICE.effective_radius / SPACING
+        for f in range(solid.faces[row]):
+            normal, slip = solid.normal[row, f], solid.slip[solid.number[row, f]]
+            height = max(solid.distance[row, f], LEAST_HEIGHT * SPACING)
+            q = STRETCH * (height / SPACING + PULLED_BACK)
+            if q >= r_e:
+                continue
+            share = solid.push[row, f] * SPACING / push_beyond(q, r_e)
+            lever = share * lever_beyond(q, r_e) * SPACING
+            along = velocity[i] - (velocity[i] @ normal) * normal
+            found[i] -= LAPLACIAN * viscosity[i] * (1.0 - slip) * lever / height * along
+    return found
+
+
 def test_the_acceleration_is_the_sum_over_all_pairs(position, fluid, solid, period):
-    found = rows(compressible.acceleration_at, position, fluid, solid, period)
+    found = rows(acceleration_at, position, fluid, solid, period)
     numbers = numbers_of(LATTICE)
-    (r, d, w), (r_wall, d_wall, w_wall) = all_pairs(position, solid, period)
+    r, d, w = all_pairs(position, period)
     u, mu, p, rho = fluid.velocity, fluid.viscosity, fluid.total_pressure, densities(fluid)
     u_ij = u[None] - u[:, None]
     approach, mean = np.sum(u_ij * r, axis=2), 0.5 * (rho[None] + rho[:, None])
@@ -203,14 +248,7 @@ def test_the_acceleration_is_the_sum_over_all_pairs(position, fluid, solid, peri
     harmonic = 2.0 * mu[None] * mu[:, None] / (mu[None] + mu[:, None])
     drag = LAPLACIAN * harmonic * w
     force = np.einsum("ij,ijk->ik", along, r) + np.einsum("ij,ijk->ik", drag, u_ij)
-    balanced = np.einsum("ijk,jk->ij", r_wall, numbers.gravity - solid.driving)
-    p_wall = np.maximum(fluid.pressure[:, None] + rho[:, None] * balanced, 0.0)
-    p_wall += (fluid.total_pressure - fluid.pressure)[:, None]
-    push = -GRADIENT * (p[:, None] + p_wall) * w_wall / d_wall**2
-    height = -np.einsum("ijk,jk->ij", r_wall, solid.normal) - solid.depth
-    factor = 1.0 + solid.depth / np.maximum(height, 0.5 * SPACING)
-    stick = LAPLACIAN * mu[:, None] * w_wall * (1.0 - solid.slip) * factor
-    force += np.einsum("ij,ijk->ik", push, r_wall) - stick.sum(axis=1)[:, None] * u
+    force += pushes(position, fluid, solid, period, numbers) + drags(u, mu, solid)
     assert_alike(found[:, :3], numbers.gravity + force / rho[:, None])
     hits = np.where((d < 0.8 * SPACING) & (approach < 0.0), approach / d**2, 0.0)
     assert np.any(hits)
@@ -219,9 +257,7 @@ def test_the_acceleration_is_the_sum_over_all_pairs(position, fluid, solid, peri
 
 
 def test_forces_between_particles_conserve_momentum(position, fluid, period):
-    found = rows(
-        compressible.acceleration_at, position, fluid, NO_WALLS, period, gravity=np.zeros(3)
-    )
+    found = rows(acceleration_at, position, fluid, NO_WALLS, period, gravity=np.zeros(3))
     assert np.abs(found[:, :3]).max() > 1.0
     assert np.abs(found[:, 3:6]).max() > 0.1
     mass = densities(fluid)[:, None]
@@ -230,9 +266,12 @@ def test_forces_between_particles_conserve_momentum(position, fluid, period):
 
 
 def test_the_loop_over_particles_conserves_momentum(position, fluid, period):
-    near, numbers = two_lists(position, NO_WALLS, LATTICE, period), numbers_of(LATTICE)
+    near, numbers = two_lists(position, LATTICE, period), numbers_of(LATTICE)
     velocity, dt, mass = np.empty((300, 3)), 0.002, densities(fluid)[:, None]
-    compressible.advance_velocity(dt, fluid, near, NO_WALLS, numbers, velocity)
+    push, reaction = np.empty((2, 300, 3))
+    compressible.advance_velocity(dt, fluid, near, NO_WALLS, numbers, velocity, push, reaction)
+    assert not push.any()
+    assert not reaction.any()
     gained = velocity - fluid.velocity - dt * numbers.gravity
     assert np.abs(gained).max() > 0.1
     assert balance(mass * gained) < EXACT
@@ -240,7 +279,7 @@ def test_the_loop_over_particles_conserves_momentum(position, fluid, period):
 
 def test_pressure_damping_and_collisions_conserve_angular_momentum(position, fluid):
     inviscid = fluid._replace(viscosity=np.zeros(300))
-    found = rows(compressible.acceleration_at, position, inviscid, NO_WALLS, gravity=np.zeros(3))
+    found = rows(acceleration_at, position, inviscid, NO_WALLS, gravity=np.zeros(3))
     for parts in (found[:, :3], found[:, 3:6]):
         assert np.any(parts)
         force = densities(fluid)[:, None] * parts
@@ -252,9 +291,7 @@ def test_dissipation_takes_energy_of_any_motion(position, fluid, part):
     calm = fluid_of(300, velocity=fluid.velocity, density=fluid.density)
     calm = calm._replace(viscosity=fluid.viscosity * (part == "viscosity"))
     changes = {"artificial_viscosity": 0.05 * (part == "artificial_viscosity")}
-    found = rows(
-        compressible.acceleration_at, position, calm, NO_WALLS, gravity=np.zeros(3), **changes
-    )
+    found = rows(acceleration_at, position, calm, NO_WALLS, gravity=np.zeros(3), **changes)
     given = found[:, 3:6] if part == "collisions" else found[:, :3]
     # relative to rho0
     assert densities(fluid) @ np.sum(given * fluid.velocity, axis=1) / 1000.0 < -1e-3
@@ -267,7 +304,7 @@ def test_what_pressure_takes_from_motion_is_stored_by_compression(position, flui
     numbers = numbers_of(LATTICE, **still)
     pressed = calm._replace(pressure=numbers.density * numbers.sound_speed**2 * s)
     pressed = pressed._replace(total_pressure=pressed.pressure)
-    given = rows(compressible.acceleration_at, position, pressed, NO_WALLS, **still)[:, :3]
+    given = rows(acceleration_at, position, pressed, NO_WALLS, **still)[:, :3]
     rate = rows(compressible.density_rate_at, position, pressed, NO_WALLS, **still)[:, 2]
     # in a volume without compression, over rho0
     stored = numbers.sound_speed**2 * s / (1.0 + s) * rate
@@ -283,61 +320,11 @@ def test_a_linear_pressure_is_exact_on_the_lattice(block, rng):
     for light in (1.0, 0.5):
         if light < 1.0:
             fluid = fluid._replace(density=np.full(len(block), light * 1000.0))
-        found = middle_row(compressible.acceleration_at, block, fluid)
+        found = middle_row(acceleration_at, block, fluid)
         # the sum of the magnitudes of 57 pairs is p / (rho d0), 20 m/s2, times some ten
         expected = [1.0, 2.0, -9.0] - (slope + grains) / (light * 1000.0)
         np.testing.assert_allclose(found[:3], expected, atol=200.0 / light * EXACT)
         assert not np.any(found[3:6])
-
-
-@pytest.mark.parametrize("closed", [[False, False], [True, False], [True, True]])
-def test_fluid_at_rest_in_a_corner_of_walls_stays_at_rest(closed):
-    # a wall neighbor has the pressure p_i + rho g . r_ij of the fluid, a linear one, and that of
-    # the grains of particle i
-    position = lattice_block(3, 10, SPACING)
-    walled = position[:, 2] < 3.0 * SPACING
-    for axis, is_closed in enumerate(closed):
-        walled |= is_closed & (position[:, axis] < 3.0 * SPACING)
-    gravity = np.array([0.0, 0.0, -9.81])
-    fluid, solid = position[~walled], solid_of(position[walled])
-    pressure, grains = 1000.0 * 9.81 * (10.0 * SPACING - fluid[:, 2]), np.full(len(fluid), 5e3)
-    still = fluid_of(len(fluid), pressure=pressure, grain_pressure=grains)
-    found = rows(compressible.acceleration_at, fluid, still, solid, gravity=gravity)
-    least = [3.0 if is_closed else 2.4 for is_closed in closed] + [3.0]
-    full = (fluid > SPACING * np.array(least)) & (fluid < 7.6 * SPACING)
-    supported = full.all(axis=1)
-    assert supported.sum() >= 5**3
-    # g h / d0 is 100 m/s2, and the sum of the magnitudes of 57 pairs ten times that
-    np.testing.assert_allclose(found[supported, :6], 0.0, atol=1000.0 * EXACT)
-    # where the surface is in reach the weight of what is missing is
-    assert np.abs(found[~full[:, 2], :3]).max() > 1.0
-
-
-def test_a_layer_on_a_slope_runs_with_all_of_the_gravity_along_it():
-    # a pressure that balances gravity across the floor alone
-    position = lattice_block(3, 10, SPACING)
-    walled = position[:, 2] < 3.0 * SPACING
-    gravity = np.array([3.0, -2.0, -9.0])
-    fluid = position[~walled]
-    solid = solid_of(position[walled])._replace(
-        driving=np.tile([3.0, -2.0, 0.0], (np.count_nonzero(walled), 1))
-    )
-    pressure = 1000.0 * 9.0 * (10.0 * SPACING - fluid[:, 2])
-    still = fluid_of(len(fluid), pressure=pressure)
-    found = rows(compressible.acceleration_at, fluid, still, solid, gravity=gravity)
-    inner = np.all((fluid > 2.4 * SPACING) & (fluid < 7.6 * SPACING), axis=1)
-    assert inner.sum() >= 4 * 5**2
-    assert np.any(fluid[inner, 2] < 4.0 * SPACING)  # the lowest row
-    expected = np.tile([3.0, -2.0, 0.0], (inner.sum(), 1))
-    np.testing.assert_allclose(found[inner, :3], expected, atol=1000.0 * EXACT)
-
-
-def test_a_wall_never_pulls():
-    # hanging under a wall particle, p_i + rho g . r_ij is negative
-    solid, gravity = solid_of(np.array([[0.0, 0.0, SPACING]])), np.array([0.0, 0.0, -9.0])
-    still = np.zeros((1, 3)), fluid_of(1), solid
-    found = rows(compressible.acceleration_at, *still, gravity=gravity)
-    np.testing.assert_array_equal(found[0, :6], [0.0, 0.0, -9.0, 0.0, 0.0, 0.0])
 
 
 def viscous(position, velocity, solid=NO_WALLS):
@@ -345,92 +332,13 @@ def viscous(position, velocity, solid=NO_WALLS):
     viscosity = np.full(len(position), 300.0)
     changes = {"gravity": np.zeros(3), "artificial_viscosity": 0.0}
     fluid = fluid_of(len(position), velocity=velocity, viscosity=viscosity)
-    return middle_row(compressible.acceleration_at, position, fluid, solid, **changes)[:3]
+    return middle_row(acceleration_at, position, fluid, solid, **changes)[:3]
 
 
 def test_the_viscous_force_of_a_quadratic_profile_is_exact_on_the_lattice(block):
     velocity = np.zeros_like(block)
     velocity[:, 0] = 2.0 + 5.0 * block[:, 2] + 4.0 * block[:, 2] ** 2 + block[:, 0] * block[:, 1]
     np.testing.assert_allclose(viscous(block, velocity), [0.3 * 8.0, 0.0, 0.0], atol=10.0 * EXACT)
-
-
-@pytest.mark.parametrize("row", [0, 1])
-def test_walls_hold_what_sticks_to_them_and_nothing_else(block, row):
-    # the middle particle is in a row above the surface of the wall
-    surface = -(row + 0.5) * SPACING
-    walled = block[:, 2] < surface
-    fluid, depth = block[~walled], surface - block[walled, 2]
-    sheared, sliding = np.zeros_like(fluid), np.zeros_like(fluid)
-    sheared[:, 1] = 5.0 * (fluid[:, 2] - surface)
-    sliding[:, 1] = 5.0
-    no_slip, free_slip = (solid_of(block[walled], depth=depth, slip=slip) for slip in (0.0, 1.0))
-    # a linear profile down to the surface is exact; nothing shears along a free-slip wall
-    for velocity, solid in ((sheared, no_slip), (sliding, free_slip)):
-        found = viscous(fluid, velocity, solid)
-        np.testing.assert_allclose(found, 0.0, atol=100.0 * EXACT)
-    dragged = viscous(fluid, sliding, no_slip)
-    assert dragged[1] < -1e-2
-    assert np.abs(dragged[::2]).max() < EXACT
-
-
-def shear_rates(position, velocity, solid, period=NOWHERE):
-    """Return the shear rates of all particles."""
-    near = two_lists(position, solid, LATTICE, period)
-    return np.array([shear_rate_at(i, velocity, near, solid) for i in range(len(position))])
-
-
-def test_the_shear_rate_beside_walls_is_that_of_one_list(position, fluid, solid, period):
-    found = shear_rates(position, fluid.velocity, solid, period)
-    everyone = np.concatenate([position, solid.position])
-    near = one_list(everyone, LATTICE, period=period, wall_from=300)
-    expected = np.array([shear_rate_at(i, fluid.velocity, near, solid) for i in range(300)])
-    assert np.count_nonzero(expected) > 290  # others have too few neighbors
-    assert_alike(found, expected)
-
-
-def side_wall(rng, normal, slip=1.0):
-    """Return wall particles anywhere under the plane through the origin with a normal."""
-    anywhere = rng.uniform(-2.0, 2.0, (4000, 3))
-    height = anywhere @ normal
-    inside = (height < 0.0) & (height > -3.0 * SPACING)
-    return solid_of(anywhere[inside], normal, -height[inside], slip)
-
-
-def over_plane(rng, normal):
-    """Return particles anywhere over a plane, no nearer to it than half a spacing."""
-    anywhere = rng.uniform(-1.0, 1.0, (600, 3))
-    return anywhere[anywhere @ normal > 0.5 * SPACING]
-
-
-@pytest.mark.parametrize("normal", [(0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (-0.48, 0.6, 0.64)])
-def test_a_linear_profile_along_a_free_slip_wall_is_exact(rng, normal):
-    # the velocity along the wall varies along it, that across it with the height
-    normal = np.array(normal)
-    position, solid = over_plane(rng, normal), side_wall(rng, normal)
-    along = np.eye(3) - np.outer(normal, normal)
-    gradient = along @ rng.normal(size=(3, 3)) @ along + rng.normal() * np.outer(normal, normal)
-    velocity = position @ gradient.T + along @ rng.normal(size=3)
-    found = shear_rates(position, velocity, solid)
-    rate = 0.5 * (gradient + gradient.T)
-    assert len(position) > 100
-    np.testing.assert_allclose(found, np.sqrt(2.0 * np.sum(rate**2)), rtol=1e-9)
-
-
-def test_the_shear_over_a_floor_is_exact_beside_a_free_slip_side(rng):
-    floor, side = np.eye(3)[2], np.eye(3)[1]
-    anywhere = rng.uniform(0.0, 1.5, (900, 3))
-    position = anywhere[np.all(anywhere[:, 1:] > 0.5 * SPACING, axis=1)]
-    walls = [side_wall(rng, floor, slip=0.0), side_wall(rng, side)]
-    none_moves = {name: [getattr(wall, name) for wall in walls] for name in Solid._fields}
-    del none_moves["velocity"]
-    joined = {name: np.concatenate(values) for name, values in none_moves.items()}
-    solid = Solid(velocity=None, **joined)
-    velocity = np.zeros_like(position)
-    velocity[:, 0] = 7.0 * position[:, 2]
-    found = shear_rates(position, velocity, solid)
-    beside = (position[:, 1:] < 2.0 * SPACING).all(axis=1)
-    assert np.count_nonzero(beside) > 20
-    np.testing.assert_allclose(found, 7.0, rtol=1e-9)
 
 
 def test_the_equation_of_state_bears_no_tension():
@@ -461,7 +369,7 @@ def test_the_compression_follows_continuity_and_in_the_interior_the_summed_densi
 def test_the_loop_writes_density_compression_and_pressure_of_each_particle(
     position, fluid, solid, period
 ):
-    near, numbers = two_lists(position, solid, LATTICE, period), numbers_of(LATTICE)
+    near, numbers = two_lists(position, LATTICE, period), numbers_of(LATTICE)
     n, s, p = np.empty((3, 300))
     compressible.advance_density(0.002, fluid, near, solid, numbers, n, s, p)
     for i, row in enumerate(rows(compressible.density_rate_at, position, fluid, solid, period)):
@@ -475,7 +383,7 @@ def test_the_loop_writes_density_compression_and_pressure_of_each_particle(
 
 
 def test_the_smooth_weight_of_the_kernels_is_that_of_the_lattice():
-    near = two_lists(np.zeros((1, 3)), NO_WALLS, LATTICE)
+    near = two_lists(np.zeros((1, 3)), LATTICE)
     q = np.linspace(0.01, 1.2, 50)
     found = []
     for r in q * LATTICE.effective_radius:

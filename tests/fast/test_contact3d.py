@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from debrisflow.neighbors.boundary import find_inside, rebounded
 from debrisflow.neighbors.lattice import reference
 from debrisflow.physics import compressible
 from debrisflow.physics.collision_stress import collide_grains
-from debrisflow.physics.contact import bounce_at, is_inside_wall_at, touches_wall_at
 from debrisflow.physics.granular_temperature import (
     algebraic_temperatures,
     capped_temperature,
@@ -16,26 +16,29 @@ from debrisflow.physics.granular_temperature import (
 from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, granular_pressure
 from debrisflow.physics.motion import survey_motion
 from debrisflow.physics.operators import velocity_gradient_at, velocity_gradients
+from debrisflow.schemes.surfaces import surfaces_of
 from tests.building import (
+    acceleration_at,
+    boxes_from,
+    felt,
     fluid_of,
+    frame_of,
     lattice_block,
+    no_walls,
     numbers_of,
     random_patch,
-    solid_of,
-    started,
     tank3d_case,
     two_lists,
 )
 
 LATTICE = reference(3, 2.4, 1.0)
 NUMBERS = numbers_of(LATTICE)
-DISTANCE, RESTITUTION = NUMBERS.collision_distance, NUMBERS.restitution
 GRAINS = Grains(
     density=2650.0, diameter=0.3, restitution=0.7, packing_limit=0.55, largest_concentration=0.5
 )
-NO_WALLS = solid_of(np.zeros((0, 3)))
+NO_WALLS = no_walls(9**3)
 MIDDLE = 9**3 // 2
-REACH = 0.3  # height below which a particle bounces: the collision distance less half a spacing
+REACH = 0.3  # distance to a face below which a particle bounces
 
 
 @pytest.fixture
@@ -52,7 +55,7 @@ def sheared(rate, drift=0.0):
 
 
 def variance(position, velocity, i=MIDDLE):
-    near = two_lists(position, NO_WALLS, LATTICE)
+    near = two_lists(position, LATTICE)
     return neighborhood_temperature_at(i, velocity, np.ones(len(position)), near)
 
 
@@ -99,7 +102,7 @@ def test_the_pressure_of_agitated_grains_stays_below_a_share_of_that_of_sound():
 @pytest.mark.parametrize("is_algebraic", [True, False])
 def test_the_study_and_the_algebraic_law_stir_a_shear(is_algebraic):
     (position, velocity), temperature = sheared(0.5), np.empty(9**3)
-    near, everywhere = two_lists(position, NO_WALLS, LATTICE), np.ones(9**3)
+    near, everywhere = two_lists(position, LATTICE), np.ones(9**3)
     grains = GRAINS._replace(diameter=0.01)
     if is_algebraic:
         gradient, rate = np.empty((9**3, 9), np.float32), np.empty(9**3)
@@ -169,12 +172,9 @@ def after_collision(position, velocity, restitution, density=None):
     """Return the velocities of particles after their collisions alone."""
     position = np.array(position)
     fluid = fluid_of(len(position), velocity=np.array(velocity), density=density)
-    near = two_lists(position, NO_WALLS, LATTICE)
+    near = two_lists(position, LATTICE)
     numbers = NUMBERS._replace(restitution=restitution)
-    hits = [
-        compressible.acceleration_at(i, fluid, near, NO_WALLS, numbers)[3:6]
-        for i in range(len(position))
-    ]
+    hits = [acceleration_at(i, fluid, near, NO_WALLS, numbers)[3:6] for i in range(len(position))]
     return fluid.velocity + hits
 
 
@@ -200,89 +200,108 @@ def test_two_particles_part_with_their_restitution(restitution, density):
         assert np.array_equal(after_collision(*free, restitution, density), free[1])
 
 
-def bounce(position, velocity, solid):
-    """Return a velocity after the bounce off the walls, from a place."""
-    near = two_lists(np.array([position], dtype=float), solid, LATTICE)
-    return bounce_at(0, *velocity, DISTANCE, RESTITUTION, near, solid)
+def bounced(place, velocity, boxes, restitution=0.2):
+    """Return a velocity after the bounce off the boxes of wall, from a place."""
+    solid = felt(np.array([place], dtype=float), LATTICE, boxes, np.zeros(len(boxes.origin)))
+    return rebounded(0, *velocity, REACH, restitution, solid)
 
 
-def bounced(height, velocity, normal=(0.0, 0.0, 1.0), aside=(0.0, 0.0), layers=1.0):
-    """Return a velocity after the bounce off one wall particle, from a height over its face."""
-    solid = solid_of(np.array([[0.0, 0.0, -0.5]]), normal, 0.5, layers=layers)
-    return bounce((*aside, height), velocity, solid)
+def floor(normal=(0.0, 0.0, 1.0)):
+    """Return the half space under a plane through the origin."""
+    return boxes_from([-np.inf] * 3, [np.inf, np.inf, 0.0], axes=[frame_of(normal)])
 
 
-def test_a_wall_throws_back_what_comes_near_and_lets_it_slide():
-    np.testing.assert_allclose(bounced(0.29, [1.0, 3.0, -2.0]), [1.0, 3.0, 0.4], rtol=1e-14)
-    np.testing.assert_allclose(bounced(-0.2, [1.0, 3.0, -2.0]), [1.0, 3.0, 0.4], rtol=1e-14)
-    for free in (
-        bounced(0.31, [1.0, 3.0, -2.0]),  # out of reach
-        bounced(0.2, [1.0, 3.0, -2.0], aside=(0.51, 0.0)),  # over the next wall particle
-        bounced(0.2, [1.0, 3.0, -2.0], layers=2.0),
-    ):
-        assert free == (1.0, 3.0, -2.0)
-    assert bounced(0.1, [1.0, 3.0, 2.0]) == (1.0, 3.0, 2.0)  # receding
+@pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (0.6, 0.48, 0.64)])
+def test_a_wall_throws_back_what_comes_near_and_lets_it_slide(normal):
+    normal = np.array(normal)
+    along = np.cross(normal, [0.3, 1.0, -2.0])
+    for height in (0.29, -0.2):
+        for restitution in (0.0, 0.2, 1.0):
+            found = bounced(height * normal, along - 2.0 * normal, floor(normal), restitution)
+            np.testing.assert_allclose(found, along + 2.0 * restitution * normal, atol=1e-14)
+    # out of reach, and on its way out
+    for height, velocity in ((0.31, along - 2.0 * normal), (0.1, along + 2.0 * normal)):
+        found = bounced(height * normal, velocity, floor(normal))
+        np.testing.assert_array_equal(found, velocity)
 
 
-@pytest.mark.parametrize("aside", [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.45, -0.4)])
-def test_a_floor_of_many_particles_throws_back_once_everywhere(aside):
-    floor = lattice_block(3, (7, 7, 3)) - [3.5, 3.5, 3.0]
-    solid = solid_of(floor, depth=-floor[:, 2], layers=0.5 - floor[:, 2])
-    found = bounce((*aside, 0.2), (1.0, 3.0, -2.0), solid)
+@pytest.mark.parametrize("aside", [(0.0, 0.0), (0.5, 0.0), (0.02, -0.01), (-0.45, 0.4)])
+def test_a_floor_of_boxes_that_touch_throws_back_once_everywhere(aside):
+    x, y = np.mgrid[-3:3, -3:3].reshape(2, -1)
+    lower = np.stack([x, y, np.full(36, -np.inf)], axis=1)
+    boxes = boxes_from(lower, np.stack([x + 1.0, y + 1.0, np.zeros(36)], axis=1))
+    found = bounced((*aside, 0.2), (1.0, 3.0, -2.0), boxes)
     np.testing.assert_allclose(found, [1.0, 3.0, 0.4], rtol=1e-14)
 
 
+def corner(count):
+    """Return what is not in front of the first planes at right angles through the origin."""
+    lower, upper = np.full((count, 3), -np.inf), np.full((count, 3), np.inf)
+    for k in range(count):
+        lower[k, :k], upper[k, k] = 0.0, 0.0
+    return boxes_from(lower, upper)
+
+
+@pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.parametrize("restitution", [0.0, 0.2, 1.0])
+def test_in_a_corner_a_particle_bounces_off_each_face_that_it_meets(count, restitution):
+    place, velocity = np.array([0.1, 0.2, 0.15]), np.array([-1.0, -3.0, -2.0])
+    expected = np.where(np.arange(3) < count, -restitution * velocity, velocity)
+    found = bounced(place, velocity, corner(count), restitution)
+    np.testing.assert_allclose(found, expected, atol=1e-14)
+    # off the face alone that it comes nearer to
+    velocity[0] = 1.0
+    expected = np.where(np.arange(3) < count, -restitution * velocity, velocity)
+    expected[0] = 1.0
+    found = bounced(place, velocity, corner(count), restitution)
+    np.testing.assert_allclose(found, expected, atol=1e-14)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("aside", [0.0, 0.3, 0.49])
+def test_at_the_edge_of_a_box_the_face_that_looks_at_the_particle_counts(axis, aside):
+    box, outward = boxes_from([-0.5] * 3, [0.5] * 3), np.eye(3)[axis]
+    place = 0.75 * outward + aside * (1.0 - outward)
+    velocity = np.array([0.3, -0.2, 0.1]) - 2.0 * outward
+    found = bounced(place, velocity, box)
+    expected = velocity - 1.2 * (velocity @ outward) * outward
+    np.testing.assert_allclose(found, expected, rtol=1e-14)
+
+
 @pytest.mark.parametrize("diagonal", [(1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (-1.0, 0.0, 1.0)])
-def test_at_the_edge_or_corner_of_a_box_the_face_that_looks_at_the_particle_counts(diagonal):
-    normal = np.array(diagonal) / np.linalg.norm(diagonal)
-    for axis in np.flatnonzero(normal):
-        outward = np.zeros(3)
-        outward[axis] = np.sign(normal[axis])
-        velocity = np.array([0.3, -0.2, 0.1]) - 2.0 * outward
-        found = bounce(0.75 * outward, velocity, solid_of(np.zeros((1, 3)), normal, 0.5))
-        approach = -velocity @ outward
-        np.testing.assert_allclose(found, velocity + 1.2 * approach * outward, rtol=1e-14)
+def test_off_an_edge_or_corner_a_particle_bounces_along_the_line_to_it(diagonal):
+    toward, box = np.array(diagonal), boxes_from([-0.5] * 3, [0.5] * 3)
+    out = toward / np.linalg.norm(toward)
+    across = np.cross(out, [1.0, 2.0, 3.0])
+    for distance, restitution in ((0.29, 0.2), (0.31, -1.0)):
+        place = 0.5 * toward + distance * out
+        found = bounced(place, across - 2.0 * out, box)
+        np.testing.assert_allclose(found, across + 2.0 * restitution * out, atol=1e-14)
 
 
-@pytest.mark.parametrize("depth", [0.1, 0.6, 1.2])
-def test_the_face_of_a_mesh_is_the_plane_at_its_depth(depth):
-    normal = np.array([0.6, 0.0, 0.8])
-    solid = solid_of(np.zeros((1, 3)), normal, depth, on_mesh=True)
-
-    def found(height, aside, velocity):
-        place = (depth + height) * normal + [-0.8 * aside, 0.0, 0.6 * aside]
-        return bounce(place, velocity, solid)
-
-    velocity = -2.0 * normal + [0.8, 1.0, -0.6]  # the rest is along the plane
-    for aside in (0.0, -0.9, 0.9):
-        after = found(REACH - 0.01, aside, velocity)
-        np.testing.assert_allclose(after, velocity + 1.2 * 2.0 * normal, rtol=1e-14)
-    for free in (found(REACH + 0.01, 0.0, velocity), found(0.1, 1.01, velocity)):
-        np.testing.assert_array_equal(free, velocity)
-
-
-@pytest.mark.parametrize("distance", [0.8, 1.0])
-def test_whatever_bounces_has_been_found_in_contact(rng, distance):
-    # a step looks for bounces of those only whose sum of forces has met a wall that near
+def test_nothing_passes_a_wall_of_a_case_from_any_side(rng):
     box = {"type": "box", "name": "box", "x": [0.3, 0.5], "y": [0.2, 0.4], "z": [0.0, 0.3]}
-    numbers = {"sound_speed": 20.0, "collision_distance": distance}
-    scheme, state = started(tank3d_case(obstacle=[box], scheme=numbers))
-    solid, lattice = scheme.observe(state).solid, scheme.lattice
-    numbers = numbers_of(lattice, collision_distance=distance * lattice.spacing)
-    anywhere = rng.uniform(-0.02, [0.82, 0.62, 0.4], (4000, 3))
-    at_a_corner = rng.uniform([0.25, 0.15, 0.25], [0.35, 0.25, 0.35], (1000, 3))
-    position = np.concatenate([anywhere, at_a_corner])
-    fluid, near, bounces = fluid_of(len(position)), two_lists(position, solid, lattice), 0
-    reach = numbers.collision_distance, numbers.restitution
+    case = tank3d_case(obstacle=[box], scheme={"sound_speed": 20.0})
+    position = rng.uniform(0.0, [0.8, 0.6, 0.4], (3000, 3))
+    surfaces = surfaces_of(case, 0.0)
+    surfaces.build(position, 0.0)
+    solid, near, reach = surfaces.survey(position), 0, 0.03
+    gap = np.maximum([0.3, 0.2, 0.0] - position, position - [0.5, 0.4, 0.3])
     for i in range(len(position)):
-        *_, contacts = compressible.acceleration_at(i, fluid, near, solid, numbers)
-        assert contacts == touches_wall_at(i, near, solid)
-        for velocity in np.concatenate([np.eye(3), -np.eye(3)]):
-            after = bounce_at(i, *velocity, *reach, near, solid)
-            if not np.array_equal(after, velocity):
-                bounces += 1
-                assert contacts > 0.0, position[i]
-    assert bounces > 500
+        sides = np.concatenate([position[i], [0.8, 0.6] - position[i, :2]])
+        walls = [*np.eye(3), *-np.eye(3)[:2]]
+        faces = [wall for side, wall in zip(sides, walls, strict=True) if side < reach]
+        outside = np.maximum(gap[i], 0.0)
+        if 0.0 < np.linalg.norm(outside) < reach:
+            away = outside * np.where(position[i] > [0.4, 0.3, 0.15], 1.0, -1.0)
+            faces.append(away / np.linalg.norm(away))
+        if gap[i].max() <= 0.0:
+            continue
+        for normal in faces:
+            after = rebounded(i, *(-2.0 * normal), reach, 0.2, solid)
+            assert np.dot(after, normal) > 0.0, position[i]
+            near += 1
+    assert near > 700
 
 
 def test_particles_at_one_place_have_no_direction_and_no_end(rng):
@@ -295,27 +314,28 @@ def test_particles_at_one_place_have_no_direction_and_no_end(rng):
         pressure=rng.uniform(0.0, 1e3, 100),
         viscosity=np.full(100, 1e-3),
     )
-    solid = solid_of(np.concatenate([position[7:8], position[20:25] + 0.1]), depth=0.5)
-    near = two_lists(position, solid, LATTICE)
+    (x, _, z), (_, y, _) = position[[7, 3]]  # on faces of a box
+    lower = [x, y, -np.inf]
+    solid = felt(position, LATTICE, boxes_from(lower, [np.inf, np.inf, z]))
+    near = two_lists(position, LATTICE)
     for i in (3, 7, 40):
-        for function in (compressible.density_rate_at, compressible.acceleration_at):
+        assert solid.row[i] >= 0
+        for function in (compressible.density_rate_at, acceleration_at):
             assert np.all(np.isfinite(function(i, fluid, near, solid, NUMBERS)))
         assert np.all(np.isfinite(velocity_gradient_at(i, fluid.velocity, near, solid)))
-    hits = compressible.acceleration_at(3, fluid, near, solid, NUMBERS)[3:6]
+    hits = acceleration_at(3, fluid, near, solid, NUMBERS)[3:6]
     assert np.linalg.norm(hits) < 100.0  # they are not thrown apart
 
 
-@pytest.mark.parametrize(
-    ("aside", "depth", "is_inside"),
-    [(0.49, 1.5, True), (0.51, 1.5, False), (0.0, 0.5, False), (0.0, 2.5, True)],
-)
-def test_a_particle_is_in_a_wall_where_its_second_layer_stands(aside, depth, is_inside):
-    solid = solid_of(np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]]), depth=depth)
-    for axis in range(3):
-        position = np.zeros((1, 3))
-        position[0, axis] = aside
-        near = two_lists(position, solid, LATTICE)
-        assert is_inside_wall_at(0, near, solid) == is_inside
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize(("depth", "is_inside"), [(0.49, False), (0.51, True), (1.4, True)])
+def test_a_particle_is_in_a_wall_half_a_spacing_under_its_surface(axis, depth, is_inside):
+    box = boxes_from([-1.5] * 3, [1.5] * 3)
+    position = np.zeros((3, 3))
+    position[:2, axis] = 1.5 - depth, 1.5 + depth  # and one in the middle, 1.5 deep
+    inside = np.zeros(3, dtype=bool)
+    find_inside(1.0, felt(position, LATTICE, box), inside)
+    np.testing.assert_array_equal(inside, [is_inside, False, True])
 
 
 @pytest.mark.parametrize("count", [0, 3, 100])

@@ -13,16 +13,24 @@ import numpy as np
 import pytest
 from numba import typeof, types
 
+from debrisflow.neighbors.boundary import rebounded
 from debrisflow.neighbors.lattice import reference
-from debrisflow.physics.compressible import acceleration_at, density_rate_at
-from debrisflow.physics.contact import bounce_at, is_inside_wall_at
+from debrisflow.physics.compressible import density_rate_at
 from debrisflow.physics.granular_temperature import (
     capped_temperature,
     neighborhood_temperature_at,
 )
 from debrisflow.physics.kinetic_theory import Grains
 from debrisflow.physics.operators import velocity_gradient_at
-from tests.building import fluid_of, numbers_of, random_patch, solid_of, two_lists
+from tests.building import (
+    Plane,
+    acceleration_at,
+    fluid_of,
+    numbers_of,
+    planes,
+    random_patch,
+    two_lists,
+)
 
 # with NVIDIA's compiler the extra takes 500 MB, which nobody has to install to run the tests
 pytest.importorskip("numba_cuda", reason="numba-cuda is not installed: the extra cuda-check")
@@ -60,11 +68,11 @@ def kinds(request):
     """Return the types of the arguments by name."""
     rng = np.random.default_rng(1)
     period = np.array([0.0, LENGTH * (request.param == "periodic"), 0.0])
-    position, solid = random_patch(3, 20, rng, LENGTH), solid_of(random_patch(3, 20, rng, LENGTH))
+    position = random_patch(3, 20, rng, LENGTH)
     arguments = {
         "fluid": fluid_of(20),
-        "near": two_lists(position, solid, LATTICE, period),
-        "solid": solid,
+        "near": two_lists(position, LATTICE, period),
+        "solid": planes(position, LATTICE, Plane()),
         "numbers": numbers_of(LATTICE),
         "grains": Grains(
             density=2650.0,
@@ -92,7 +100,7 @@ VECTORS, SCALARS = types.float64[:, ::1], types.float64[::1]
 
 @pytest.mark.parametrize(
     ("function", "results"),
-    [(density_rate_at, 3), (acceleration_at, 7), (velocity_gradient_at, 9)],
+    [(density_rate_at, 3), (acceleration_at, 12), (velocity_gradient_at, 9)],
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_sums_over_neighbors_compile_for_a_gpu(kinds, function, results):
@@ -110,10 +118,8 @@ def test_agitation_contact_and_walls_compile_for_a_gpu(kinds):
     f, near, solid = types.float64, kinds.near, kinds.solid
     _, found = compiled_for_gpu(neighborhood_temperature_at, VECTORS, SCALARS, near)
     assert found == f
-    _, found = compiled_for_gpu(bounce_at, f, f, f, f, f, near, solid)
+    _, found = compiled_for_gpu(rebounded, f, f, f, f, f, solid)
     assert found == types.UniTuple(f, 3)
-    _, found = compiled_for_gpu(is_inside_wall_at, near, solid)
-    assert found == types.boolean
     code, result = cuda.compile(
         capped_temperature.py_func,
         (f, f, f, f, kinds.grains),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from debrisflow.particles.arrays import FRAME, arrays_in
+from debrisflow.particles.arrays import ARRAYS
 from debrisflow.particles.record import Kind
 from debrisflow.results.deposition import deposit_columns, deposit_table, deposition
 from debrisflow.results.frames import Frame
@@ -16,7 +16,7 @@ SLOPE = 0.25  # of its flanks
 
 def frame_of(particles, time=0.0):
     """Return the frame that holds some particles."""
-    arrays = {array.name: getattr(particles, array.name) for array in arrays_in(FRAME)}
+    arrays = {array.name: getattr(particles, array.name) for array in ARRAYS}
     return Frame(time, particles.position, arrays)
 
 

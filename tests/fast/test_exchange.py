@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from debrisflow._jit import set_threads
+from debrisflow.neighbors.boundary import LEAST_HEIGHT, PULLED_BACK, STRETCH
+from debrisflow.neighbors.half_space import push_beyond
 from debrisflow.neighbors.lattice import reference
 from debrisflow.physics import images
 from debrisflow.physics.grain_pressure import couple_grains
@@ -15,8 +17,12 @@ from tests.building import (
     HERSCHEL_BULKLEY,
     MUD,
     NOWHERE,
+    Plane,
     lattice_block,
+    no_walls,
     numbers_of,
+    one_list,
+    planes,
     random_patch,
     separations,
     solid_of,
@@ -28,9 +34,9 @@ LATTICE = reference(3, 2.4, SPACING)
 GRAVITY = numbers_of(LATTICE).gravity
 LENGTH = 9.0 * SPACING
 PERIODS = [NOWHERE, np.array([0.0, LENGTH, 0.0])]
-NO_WALLS = solid_of(np.zeros((0, 3)))
 DOWN = GRAVITY / np.linalg.norm(GRAVITY)
 DT, COUNT = 0.002, 300
+NO_WALLS = no_walls(2000)
 LAW = HERSCHEL_BULKLEY
 SUBMERGED = 1650.0 * np.array([0.0, 0.0, -10.0])
 
@@ -54,12 +60,19 @@ def position(rng):
 
 
 @pytest.fixture
-def solid(rng):
-    """Return 150 wall particles anywhere, with normals in all directions, some free-slip."""
-    normal = rng.normal(size=(150, 3))
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    depth, slip = rng.uniform(0.0, 3.0, 150) * SPACING, rng.choice([0.0, 1.0], 150)
-    return solid_of(random_patch(3, 150, rng, LENGTH), normal, depth, slip)
+def solid(position):
+    """Return what the particles feel of a free-slip and two no-slip walls, not at right angles."""
+    return walls_around(position)
+
+
+def walls_around(position):
+    return planes(
+        position,
+        LATTICE,
+        Plane((0.0, 0.0, 0.2), (0.36, -0.48, 0.8)),
+        Plane((0.1, 0.0, 0.0), (1.0, 0.0, 0.0), slip=1.0),
+        Plane((0.0, LENGTH, 0.0), (0.0, -0.8, 0.6)),
+    )
 
 
 @pytest.fixture(params=[0.0, 50.0], ids=["", "power law"])
@@ -104,11 +117,12 @@ def mirrors_of(near, solid):
 
 def coupled_momentum(position, solid, flow, period=NOWHERE, is_free=None, velocity=None):
     """Return couplings of momentum, and who is near whom; of particles at rest by default."""
-    near = two_lists(position, solid, LATTICE, period)
+    near = two_lists(position, LATTICE, period)
     velocity = np.zeros_like(position) if velocity is None else velocity
     found, mirrors = empty_couplings(near, is_free), mirrors_of(near, solid)
     right = np.zeros_like(position)
-    couple_momentum(DT, velocity, near, solid, flow, mirrors, LAW, DOWN, found, right)
+    drags = np.empty(len(position))
+    couple_momentum(DT, velocity, near, solid, flow, mirrors, LAW, DOWN, found, right, drags)
     assert not right.any()  # walls are at rest
     return found, near
 
@@ -147,7 +161,7 @@ def weights(position, others=None, period=NOWHERE):
 
 def image_weights(position, solid, period):
     """Return the coupling weight of the images of all pairs in the wall that both are near."""
-    mirrors = mirrors_of(two_lists(position, solid, LATTICE, period), solid)
+    mirrors = mirrors_of(two_lists(position, LATTICE, period), solid)
     alike = mirrors.normal @ mirrors.normal.T >= images.ALIKE
     r = separations(position, period)
     across = mirrors.height[:, None] * mirrors.height
@@ -201,20 +215,25 @@ def expected_matrix(position, velocity, solid, flow, period):
     if flow.consistency is not None:
         mu += share * thinning(mean(flow.consistency), rate)
     coefficient = DT * w * np.maximum(mu, flow.least_viscosity)
-    r, w = weights(position, solid.position, period)
-    depth = 0.5 * r @ DOWN
-    deeper = flow.strength[:, None] + depth * flow.deepening[:, None]
-    on_wall = flow.ramp[:, None] * np.maximum(deeper, 0.0)
-    height = -np.einsum("ijk,jk->ij", r, solid.normal) - solid.depth
-    over = np.maximum(height, 0.5 * SPACING)[..., None]
-    normal = np.broadcast_to(solid.normal, r.shape)
-    rate = shear_rates(gradient[:, None], normal, velocity[:, None] / over)
-    mu = flow.viscosity[:, None] + yielding(on_wall, rate)
-    if flow.consistency is not None:
-        mu += flow.ramp[:, None] * thinning(flow.consistency[:, None], rate)
-    factor = 1.0 + solid.depth / over[..., 0]
-    drag = (w * mu * factor * (1.0 - solid.slip)).sum(axis=1)
-    return np.diag(flow.density + coefficient.sum(axis=1) + DT * drag) - coefficient
+    drag = [wall_drag(i, velocity[i], solid, flow, gradient[i]) for i in range(len(position))]
+    return np.diag(flow.density + coefficient.sum(axis=1) + DT * np.array(drag)) - coefficient
+
+
+def wall_drag(i, velocity, solid, flow, gradient):
+    """Return the sum of ``(2 Ds/n0) mu G / h`` over the no-slip faces before a particle."""
+    found, row = 0.0, solid.row[i]
+    for f in range(solid.faces[row] if row >= 0 else 0):
+        normal, number = solid.normal[row, f], solid.number[row, f]
+        height = max(solid.distance[row, f], LEAST_HEIGHT * SPACING)
+        depth = -height * normal @ DOWN
+        on_wall = flow.ramp[i] * max(flow.strength[i] + depth * flow.deepening[i], 0.0)
+        rate = shear_rates(gradient, normal, velocity / height)
+        mu = flow.viscosity[i] + yielding(on_wall, rate)
+        if flow.consistency is not None:
+            mu += flow.ramp[i] * thinning(flow.consistency[i], rate)
+        pull = 6.0 / LATTICE.number_density * solid.push[row, f] / height
+        found += pull * mu * (1.0 - solid.slip[number])
+    return found
 
 
 @pytest.mark.parametrize("is_moving", [False, True])
@@ -308,12 +327,11 @@ def test_what_touches_nothing_falls_freely_however_lax_the_goal(goal, rng):
 
 def test_what_touches_only_a_wall_gets_its_solution_however_lax_the_goal():
     position, flow = crowd_and_stray(viscosity=1e3)
-    floor = lattice_block(3, (5, 5, 2), SPACING) + np.array([48.75, -1.25, -1.25])
-    solid = solid_of(floor, depth=-0.25 - floor[:, 2])
+    solid = planes(position, LATTICE, Plane((0.0, 0.0, -0.25)))
     couplings, near = coupled_momentum(position, solid, flow)
     x, right = np.zeros_like(position), np.full_like(position, 500.0)
     solve(couplings, near, right, np.inf, 2000, x)
-    assert near.wall_count[-1] > 9
+    assert solid.faces[solid.row[-1]] == 1
     np.testing.assert_allclose(x[-1], 500.0 / couplings.diagonal[-1], rtol=1e-15)
     assert couplings.diagonal[-1] > 1001.0
 
@@ -327,14 +345,14 @@ def test_nobody_is_solved_for():
 def test_two_threads_solve_to_the_same_bits_as_one(rng, columns):
     count = 2000
     position, velocity = random_patch(3, count, rng, 6.0), rng.normal(size=(count, 3))
-    solid = solid_of(random_patch(3, 500, rng, 6.0), depth=0.25, slip=rng.choice([0.0, 1.0], 500))
+    solid = walls_around(position)
     viscosity, strength = rng.uniform(0.0, 1e6, (2, count))
     flow = flow_of(count, viscosity=viscosity, strength=strength, ramp=np.ones(count))
     right, found = 1000.0 * rng.normal(size=(count, columns)), []
     try:
         for threads in (1, 2):
             assert set_threads(threads) == threads
-            near, rate = two_lists(position, solid, LATTICE), np.empty(count)
+            near, rate = two_lists(position, LATTICE), np.empty(count)
             velocity_gradients(velocity, near, solid, flow.gradient, rate)
             couplings, near = coupled_momentum(position, solid, flow, velocity=velocity)
             x = np.zeros((count, columns))
@@ -346,13 +364,28 @@ def test_two_threads_solve_to_the_same_bits_as_one(rng, columns):
     assert found[0] == found[1]
 
 
+def over_floor(height, **known):
+    """Return who is near whom, and the floor under one particle at a height."""
+    position = np.array([[0.0, 0.0, height]])
+    return two_lists(position, LATTICE), planes(position, LATTICE, Plane(**known))
+
+
+def seen(height):
+    """Return the integral of ``w r_n / r^2`` under a floor, times d0."""
+    q = STRETCH * (height / SPACING + PULLED_BACK)
+    return push_beyond(q, LATTICE.effective_radius / SPACING)
+
+
+def floor_pull(height):
+    """Return ``(2 Ds/n0)`` times the integral of ``(w/r^2) (r_n / h)`` under a floor, 1/m2."""
+    return 6.0 / LATTICE.number_density * seen(height) / (SPACING * height)
+
+
 @pytest.mark.parametrize("height", [0.3, 0.7, 1.1])
 @pytest.mark.parametrize("slip", [0.0, 1.0])
-def test_a_wall_resists_with_the_strength_at_the_depth_between(height, slip):
-    # over the middle of one wall particle in the first layer of a floor, 0.25 m deep
+def test_a_wall_resists_with_the_strength_at_its_surface(height, slip):
     down, velocity = np.array([0.0, 0.0, -1.0]), np.array([[0.3, 0.4, 0.0]])
-    solid = solid_of(np.array([[0.0, 0.0, -0.25]]), depth=0.25, slip=slip)
-    near = two_lists(np.array([[0.0, 0.0, height]]), solid, LATTICE)
+    near, solid = over_floor(height, slip=slip)
     flow = flow_of(
         1,
         viscosity=np.array([3.0]),
@@ -363,24 +396,22 @@ def test_a_wall_resists_with_the_strength_at_the_depth_between(height, slip):
     )
     flow.gradient[0, [2, 5]] = 3.0, 4.0  # of another shear rate, of the same direction
     drag, *_ = wall_drag_at(0, velocity, near, solid, flow, LAW, down)
-    r, rate = height + 0.25, 0.5 / height  # of the straight profile down to the surface
+    rate = 0.5 / height  # of the straight profile down to the surface
     rate = 5.0 * np.sqrt((rate**2 + 0.25) / (25.0 + 0.25))
-    w = weight(r)
-    mu = 3.0 + 0.5 * (100.0 + 800.0 * 0.5 * r) / rate
-    factor = (height + 0.25) / height
-    assert drag == pytest.approx(w * mu * factor * (1.0 - slip), rel=1e-12)
-    # sideways, as on a side wall, the depth between is that of the particle
+    mu = 3.0 + 0.5 * (100.0 + 800.0 * height) / rate
+    assert drag == pytest.approx(floor_pull(height) * mu * (1.0 - slip), rel=1e-12)
+    # sideways, as on a side wall, the depth at the surface is that of the particle
     drag, *_ = wall_drag_at(0, velocity, near, solid, flow, LAW, np.array([1.0, 0, 0]))
     mu = 3.0 + 0.5 * 100.0 / rate
-    assert drag == pytest.approx(w * mu * factor * (1.0 - slip), rel=1e-12)
+    assert drag == pytest.approx(floor_pull(height) * mu * (1.0 - slip), rel=1e-12)
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.01])
-def test_a_wall_that_moves_drags_along_and_a_rough_one_takes_no_eddies(roughness):
-    velocity = np.array([[0.5, 0.2, 0.0]])
-    wall = np.array([[2.0, -1.0, 0.0]])
-    solid = solid_of(np.array([[0.0, 0.0, -0.25]]), depth=0.25, roughness=roughness, velocity=wall)
-    near = two_lists(np.array([[0.0, 0.0, 0.25]]), solid, LATTICE)
+def test_a_wall_of_particles_that_moves_drags_along_and_a_rough_one_takes_no_eddies(roughness):
+    velocity, wall = np.array([[0.5, 0.2, 0.0]]), np.array([[2.0, -1.0, 0.0]])
+    below = np.array([[0.0, 0.0, -0.25]])
+    solid = solid_of(below, depth=0.25, roughness=roughness, velocity=wall)
+    near = one_list(np.concatenate([[[0.0, 0.0, 0.25]], below]), LATTICE, rows=1)
     flow = flow_of(1, viscosity=np.array([3.0]), eddies=np.array([2.0]))
     drag, *pull = wall_drag_at(0, velocity, near, solid, flow, LAW, DOWN)
     viscosity = 1.0 if roughness else 3.0
@@ -388,12 +419,20 @@ def test_a_wall_that_moves_drags_along_and_a_rough_one_takes_no_eddies(roughness
     np.testing.assert_allclose(pull, drag * wall[0], rtol=1e-12)
 
 
+def test_the_drag_of_a_wall_stays_bounded_where_contact_holds_the_particle():
+    flow, velocity = flow_of(1, viscosity=np.array([3.0])), np.ones((1, 3))
+    heights = SPACING * np.array([0.5, LEAST_HEIGHT, 0.1, 0.0])
+    drags = [wall_drag_at(0, velocity, *over_floor(h), flow, LAW, DOWN)[0] for h in heights]
+    assert np.all(np.diff(drags) > 0.0)
+    # it grows no more than the push of the half space, from 5.2 to 7.2
+    assert drags[-1] < 1.6 * drags[1]
+
+
 def test_what_would_pull_under_a_ceiling_has_no_strength():
-    position, up = np.array([[0.0, 0.0, 0.3]]), np.array([0.0, 0.0, 1.0])
-    solid = solid_of(np.array([[0.0, 0.0, -0.25]]), depth=0.25)
+    up = np.array([0.0, 0.0, 1.0])
+    near, solid = over_floor(0.3)
     strong = {"strength": np.array([100.0]), "deepening": np.array([800.0]), "ramp": np.ones(1)}
-    near, velocity = two_lists(position, solid, LATTICE), np.zeros((1, 3))
-    drag, *_ = wall_drag_at(0, velocity, near, solid, flow_of(1, **strong), LAW, up)
+    drag, *_ = wall_drag_at(0, np.zeros((1, 3)), near, solid, flow_of(1, **strong), LAW, up)
     assert drag == 0.0
 
 
@@ -419,7 +458,7 @@ def test_strength_and_its_growth_with_depth_are_those_of_the_law():
 
 def balanced_grains(position, c, is_free, pressure, submerged=SUBMERGED):
     """Return the pressure between grains that balances their weight, with some of it given."""
-    near = two_lists(position, NO_WALLS, LATTICE)
+    near = two_lists(position, LATTICE)
     system, right = empty_couplings(near, is_free), np.empty((len(position), 1))
     couple_grains(near, c, submerged, system, right)
     x = np.where(is_free, 0.0, pressure)[:, None]
@@ -445,7 +484,7 @@ def test_a_linear_pressure_between_grains_is_exact_on_a_disordered_bed(rng, subm
 
 
 def test_the_balance_of_grains_is_the_sum_over_all_pairs(position, rng, period):
-    near, c = two_lists(position, NO_WALLS, LATTICE, period), rng.uniform(0.0, 0.5, COUNT)
+    near, c = two_lists(position, LATTICE, period), rng.uniform(0.0, 0.5, COUNT)
     system, right = empty_couplings(near), np.empty((COUNT, 1))
     couple_grains(near, c, SUBMERGED, system, right)
     r, w = weights(position, period=period)

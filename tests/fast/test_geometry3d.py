@@ -7,7 +7,7 @@ import pyvista
 
 from debrisflow.case import dump_case, load_case
 from debrisflow.particles.record import Kind
-from debrisflow.particles.seeding import seed
+from debrisflow.particles.seeding import seed, wall_particles
 from debrisflow.space.domain import WALL_NAMES, wall_names
 from debrisflow.space.walls import wall_points
 from tests.building import tank3d_case
@@ -29,12 +29,13 @@ def mesh(file, **fields):
 
 def test_the_dam_break_of_the_study_has_its_number_of_particles():
     cube = {"type": "block", "x": [0, 2], "y": [0, 2], "z": [0, 2], "material": "water"}
-    particles = seed(tank3d_case(size=(6.0, 6.0, 2.3), fill=[cube]))
-    assert particles.count == 38_456
-    assert particles.fluid_count == 8_000
-    floor = particles.position[:, 2] < 0
-    assert floor.sum() == 3 * 66 * 66
-    assert np.unique(np.rint(particles.position / D0 - 0.5), axis=0).shape == (38_456, 3)
+    case = tank3d_case(size=(6.0, 6.0, 2.3), fill=[cube])
+    particles, walls = seed(case), wall_particles(case)
+    assert particles.count == particles.fluid_count == 8_000
+    assert walls.count == 30_456  # drawn for probes; the fluid feels surfaces
+    assert np.sum(walls.position[:, 2] < 0) == 3 * 66 * 66
+    every = np.concatenate([particles.position, walls.position])
+    assert np.unique(np.rint(every / D0 - 0.5), axis=0).shape == (38_456, 3)
 
 
 def nearest_of_box(points, lower, upper):

@@ -72,7 +72,10 @@ def test_every_file_with_a_kernel_is_among_the_sources():
 def test_the_compiler_is_reached_by_the_two_decorators_alone():
     # by another way a kernel would be in no digest
     for path, tree in TREES.items():
-        if path.name in ("_jit.py", "law.py"):  # law.py picks a kernel by the type of a record
+        if path.name in (
+            "_jit.py",
+            "dispatch.py",
+        ):  # dispatch.py picks a kernel by the type of a record
             continue
         names = {name for module in imports_of(path).values() for name in module}
         assert "_jit" not in names, path
@@ -102,13 +105,21 @@ def test_the_sources_hold_all_that_they_import():
                 assert file_of(name) is None or file_of(name) in sources, (path, name)
 
 
-def test_the_file_that_picks_kernels_by_law_is_in_the_digest():
-    assert PACKAGE / "physics" / "rheology" / "law.py" in kernel_sources()
+def test_the_file_that_picks_kernels_by_record_is_in_the_digest():
+    assert PACKAGE / "dispatch.py" in kernel_sources()
 
 
 def test_what_a_user_or_a_writer_changes_compiles_nothing():
     parts = {path.relative_to(PACKAGE).parts[0] for path in kernel_sources()}
-    assert parts == {"__init__.py", "_jit.py", "errors.py", "neighbors", "physics", "schemes"}
+    assert parts == {
+        "__init__.py",
+        "_jit.py",
+        "dispatch.py",
+        "errors.py",
+        "neighbors",
+        "physics",
+        "schemes",
+    }
 
 
 def test_records_that_kernels_take_are_defined_among_the_sources():

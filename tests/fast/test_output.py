@@ -14,7 +14,7 @@ from debrisflow.case import Case, load_case
 from debrisflow.case.defaults import complete
 from debrisflow.errors import OutputError
 from debrisflow.neighbors.lattice import reference
-from debrisflow.particles.arrays import FRAME, arrays_in
+from debrisflow.particles.arrays import ARRAYS as TABLE
 from debrisflow.particles.record import Kind
 from debrisflow.particles.state import initial_state
 from debrisflow.run.folder import RunFolder
@@ -94,7 +94,7 @@ def test_a_particle_file_holds_every_array_and_every_particle(tmp_path, state):
     write_particles(tmp_path / "p.vtu", state.particles)
     mesh = pyvista.read(tmp_path / "p.vtu")
     stored = {name: mesh.point_data[name].dtype for name in mesh.point_data}
-    assert stored == {array.name: array.storage for array in arrays_in(FRAME)}
+    assert stored == {array.name: array.storage for array in TABLE}
     assert ARRAYS.items() <= stored.items()
     np.testing.assert_array_equal(mesh.points, state.particles.position)
     for name, dtype in ARRAYS.items():

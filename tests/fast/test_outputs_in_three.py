@@ -16,10 +16,10 @@ from debrisflow.particles.state import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.survey import survey
+from debrisflow.run import folder
 from debrisflow.run.folder import RunFolder
 from debrisflow.run.history import history_row
 from debrisflow.run.measures import deposit_profile, elastic_energy, energies, flow, fronts
-from debrisflow.space.domain import wall_names
 from debrisflow.space.plan_grid import cell_level, plan
 
 D0 = 0.1
@@ -304,17 +304,40 @@ def run(tmp_path, case):
 
 def test_walls_stand_in_a_file_of_their_own(run, case):
     p = initial_state(case).particles
-    walls, frame = pyvista.read(run / "walls.vtu"), pyvista.read(run / "vtu/000000.vtu")
-    assert (frame.n_points, walls.n_points) == (p.fluid_count, p.count - p.fluid_count)
-    assert set(walls.point_data) == {"kind", "id", "wall", "wall_normal"}
+    walls, frame = pyvista.read(run / "walls.vtp"), pyvista.read(run / "vtu/000000.vtu")
+    assert frame.n_points == p.fluid_count
     assert frame["kind"].max() == Kind.MIXTURE
-    house = wall_names(case).index("house")
-    assert walls.points[walls["wall"] == house, 0].min() == pytest.approx(0.45)
+    assert walls.bounds == pytest.approx((0.0, 1.0, 0.0, 0.6, 0.0, 0.8))
+    number = walls.cell_data["obstacle"]
+    assert set(number) == set(range(-1, len(case.obstacle)))
+    for k, obstacle in enumerate(case.obstacle):
+        body = walls.extract_cells(number == k)
+        assert body.n_cells == 6
+        assert body.bounds == pytest.approx((*obstacle.x, *obstacle.y, *obstacle.z))
+    # floor and four sides
+    assert np.count_nonzero(number == -1) == 5
+    assert walls.extract_cells(number == -1).area == pytest.approx(0.6 + 2 * 0.8 * 1.6)
+
+
+def test_the_file_of_walls_is_written_once(tmp_path, case, monkeypatch):
+    written = []
+
+    def write(path, case):
+        written.append(path)
+        path.touch()
+
+    monkeypatch.setattr(folder, "write_walls", write)
+    state = initial_state(case)
+    with RunFolder.create(tmp_path / "run", case) as made:
+        for k in range(3):
+            state.time = 0.1 * k
+            made.write_frame(state)
+    assert written == [tmp_path / "run/walls.vtp"]
 
 
 def test_overwriting_removes_walls_and_maxima(run, case):
     RunFolder.create(run, case, overwrite=True).close()
-    assert not (run / "walls.vtu").exists()
+    assert not (run / "walls.vtp").exists()
     assert not (run / "maxima.csv").exists()
 
 

@@ -304,7 +304,9 @@ def test_what_one_particle_loses_the_other_gains(law):
     velocity, mirrors = random_patch(2, count, rng), no_mirrors(count)
     find_mirrors(near, no_solid(), mirrors)
     down = np.array([0.0, -1.0, 0.0])
-    couple_momentum(0.01, velocity, near, no_solid(), flow, mirrors, law, down, system, right)
+    drags, nothing = np.empty(count), no_solid()
+    couple_momentum(0.01, velocity, near, nothing, flow, mirrors, law, down, system, right, drags)
+    assert not drags.any()
     assert not right.any()
     coupling = np.zeros((count, count))
     for i, listed in enumerate(near.fluid_count):

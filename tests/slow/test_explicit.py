@@ -6,6 +6,7 @@ import shutil
 
 import numpy as np
 import pytest
+import pyvista
 
 from debrisflow._jit import set_threads
 from debrisflow.case.defaults import LARGEST_PATH
@@ -15,6 +16,7 @@ from debrisflow.run import checkpoint, loop
 from debrisflow.run.measures import elastic_energy, energies
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.schemes.terms.density import Density
+from debrisflow.space.mesh_pieces import pieces_of
 from tests.building import advance, momentum_of, started, tank3d_case
 from tests.fast.test_checkpoint import identical
 
@@ -217,20 +219,25 @@ def test_what_went_into_an_obstacle_is_taken_out_when_the_particles_are_sorted()
     assert state.particles.fluid_count == 6 * 4 * 6 - 1
 
 
-def test_walls_are_sorted_once(monkeypatch):
-    sorted_walls, begin = [], FixedNeighbors.__init__
+def test_elements_of_meshes_are_sorted_once(monkeypatch, tmp_path):
+    sorted_elements, begin = [], FixedNeighbors.__init__
 
     def counted(self, points, *others):
-        sorted_walls.append(len(points))
+        sorted_elements.append(len(points))
         begin(self, points, *others)
 
     monkeypatch.setattr(FixedNeighbors, "__init__", counted)
-    scheme, state = started(dam_break())
-    p = state.particles
-    walls = p.position[p.fluid_count :].copy()
+    pyvista.Cube(bounds=(0.6, 0.7, 0.1, 0.2, 0.0, 0.2)).triangulate().save(tmp_path / "rock.stl")
+    rock = {"type": "mesh", "name": "rock", "file": str(tmp_path / "rock.stl")}
+    case = dam_break(obstacle=[rock])
+    scheme, state = started(case)
     advance(scheme, state, steps=2 * Explicit.REFRESH + 5)
-    assert sorted_walls == [len(walls)]
-    np.testing.assert_array_equal(p.position[p.fluid_count :], walls)
+    assert sorted_elements == [len(pieces_of(case, 0.0)[0])]
+
+
+def test_walls_of_three_dimensions_are_no_particles():
+    _, state = started(dam_break(obstacle=[PILLAR]))
+    assert state.particles.count == state.particles.fluid_count == 6 * 4 * 6
 
 
 def test_a_velocity_that_is_no_number_ends_the_step_before_it_spoils_the_state():

@@ -154,25 +154,25 @@ def test_a_list_is_stale_when_the_number_of_particles_or_rows_changes(rng):
 
 def listed_pairs(near, solid, fluid):
     """Yield i, j, r_ij and 1 / r of all listed pairs; walls are numbered from ``fluid`` on."""
-    for i, (moving, walls) in enumerate(zip(near.fluid_count, near.wall_count, strict=True)):
+    for i, moving in enumerate(near.fluid_count):
         for k in range(moving):
             j, *between, inverse = fluid_pair(i, k, near)
             yield i, j, between, inverse
-        for k in range(walls):
+        for k in range(0 if solid is None else near.wall_count[i]):
             j, *between, inverse = wall_pair(i, k, near, solid)
             yield i, fluid + j, between, inverse
 
 
 @pytest.mark.parametrize(("dimension", "period"), PERIODS)
-@pytest.mark.parametrize("lists", ["one list", "two lists"])
-def test_kernels_read_the_geometry_of_each_pair(rng, dimension, period, lists):
+@pytest.mark.parametrize("walls", ["particles", "surfaces"])
+def test_kernels_read_the_geometry_of_each_pair(rng, dimension, period, walls):
     lattice, fluid = reference(dimension, RADIUS, SPACING), 200
     position = random_patch(dimension, 300, rng, LENGTH)
-    solid = solid_of(position[fluid:])
-    if lists == "one list":
+    if walls == "particles":
+        solid = solid_of(position[fluid:])
         near = one_list(position, lattice, period=period, wall_from=fluid)
     else:
-        near = two_lists(position[:fluid], solid, lattice, period)
+        solid, near = None, two_lists(position, lattice, period)
     rows, between = near.fluid_count.size, separations(position, period)
     times = np.zeros((rows, 300), dtype=int)
     for i, j, found, inverse in listed_pairs(near, solid, fluid):

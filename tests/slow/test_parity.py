@@ -1,8 +1,9 @@
 """What both schemes compute is the same, away from walls, up to rounding.
 
 On particles anywhere, in two dimensions and in three, in the open and across a period.  The
-semi-implicit scheme reads pairs from one list and the explicit one from two; sums of the same pairs
-are taken by the functions of both, and by NumPy over all pairs.
+semi-implicit scheme reads pairs from a list that may hold wall particles and the explicit one from
+one that never does; sums of the same pairs are taken by the functions of both, and by NumPy over
+all pairs.
 """
 
 from typing import NamedTuple
@@ -13,7 +14,7 @@ import pytest
 from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.neighbors.pairs import Near
 from debrisflow.physics.collision_stress import collision_force_at
-from debrisflow.physics.compressible import acceleration_at, density_rate_at
+from debrisflow.physics.compressible import density_rate_at
 from debrisflow.physics.concentration import concentrations
 from debrisflow.physics.contact import collisions_at
 from debrisflow.physics.grain_pressure import couple_grains
@@ -30,19 +31,20 @@ from debrisflow.schemes.system import empty_system
 from tests.building import (
     NOWHERE,
     RADII,
+    acceleration_at,
     fluid_of,
     no_solid,
+    no_walls,
     numbers_of,
     one_list,
     random_patch,
     separations,
-    solid_of,
     two_lists,
 )
 
 SPACING, COUNT, SUPPLY = 0.5, 300, 40
 SIDE = {2: 11.0 * SPACING, 3: 9.0 * SPACING}  # more than three radii of the list
-NOTHING, NO_WALLS = no_solid(), solid_of(np.zeros((0, 3)))  # of one list, of two
+NOTHING, NO_WALLS = no_solid(), no_walls(COUNT)  # of particles, of surfaces
 GRAVITY = np.array([2.0, -9.0, 0.0])
 SINGLE = 2.0**-23  # the coefficients between pairs are kept in single precision
 EXACT = 1e-12  # one rounding of each of some 50 terms, relative to the greatest
@@ -98,7 +100,7 @@ def patch(request, is_periodic, rng):
     position = random_patch(dimension, COUNT, rng, side)
     velocity = random_patch(dimension, COUNT, rng, 2.0)
     one = one_list(position, lattice, period=period)
-    two = two_lists(position, NO_WALLS, lattice, period)
+    two = two_lists(position, lattice, period)
     return Patch(position, velocity, period, lattice, one, two)
 
 

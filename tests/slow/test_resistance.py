@@ -10,7 +10,6 @@ from debrisflow.case.defaults import complete
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.run import loop
 from debrisflow.schemes.explicit import Explicit
-from debrisflow.space.floor import driving_gravity
 from tests.building import advance, momentum_of, started, tank3d_case
 from tests.fast.test_checkpoint import identical
 
@@ -111,27 +110,6 @@ def test_a_layer_on_a_smooth_slope_gains_what_gravity_gives(strength):
     expected = G * np.sin(np.radians(35.0)) * state.time
     # the rows of the wall's particles are felt as the layer runs over them
     assert p.velocity[p.fluid, 0].mean() == pytest.approx(expected, rel=0.02)
-
-
-def test_walls_bear_gravity_across_them_and_across_the_floor():
-    case = layer(35.0)
-    normal = np.array([[0, 0, 1], [0, 1, 0], [0, -1, 0], [1, 0, 0], [0.6, 0.0, 0.8], [0, 0.6, 0.8]])
-    along, _ = case.gravity.components
-    driving = driving_gravity(case, np.full(6, 0.1), normal.astype(float))
-    expected = np.zeros((6, 3))
-    expected[[0, 1, 2, 5], 0] = along
-    np.testing.assert_allclose(driving, expected, atol=1e-14 * G)
-    # on a run-out that is level only the part across is left, and all of it along a slope
-    shape = {"runout_start": 0.1, "runout_slope": 0.0, "periodic": False}
-    geometry_of = case.geometry.model_copy(update=shape)
-    bent = case.model_copy(update={"geometry": geometry_of})
-    angle = np.radians(35.0)
-    floor = np.array([[-np.sin(angle), 0.0, np.cos(angle)], [0.0, 1.0, 0.0]])
-    driving = driving_gravity(bent, np.full(2, 0.15), floor)
-    np.testing.assert_allclose(driving, 0.0, atol=1e-14 * G)
-    # in a tank all of it is balanced
-    tank = tank3d_case(gravity={"slope": 5.0})
-    assert not np.any(driving_gravity(tank, np.full(6, 0.1), normal.astype(float)))
 
 
 def test_grains_of_a_saturated_mixture_carry_the_buoyant_share():

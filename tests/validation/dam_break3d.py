@@ -1,6 +1,7 @@
 """The dam break of Martin & Moyce in three dimensions: a slab that repeats across the flow.
 
-A column a wide and n^2 a high, the slab 11 spacings wide, the least that a periodic space allows.
+A column a wide and n^2 a high, the slab 11 spacings wide, the least that a periodic space allows,
+on a floor with the friction of a smooth wall.
 Two fronts are measured: the place ahead of which the layer is thinner than H/40 on average over
 H/20, by one length at all spacings; and the first column of particles that is not half a particle
 deep.  The tank is 7 a long, so that no front reaches its end before T = 3.5.
@@ -26,6 +27,7 @@ from tests.validation.dam_break import (
 from tests.validation.marching import energy, states
 
 ACROSS_SLAB, LENGTH, LAST = 11, 7, 3.5
+SMOOTH = 5e-5  # m, the roughness that stands for a smooth floor: 3.3 nu / u* at u* = 0.07 m/s
 SAMPLES = 200
 SPACINGS = {HIGH: (10, 20, 30), SQUARE: (16, 32, 48)}  # particles across a
 
@@ -43,6 +45,7 @@ def build(
             title="dam break of Martin & Moyce, a slab",
             particles={"spacing": spacing},
             geometry={"type": "tank3d", "periodic": True, **tank},
+            walls={"floor": {"friction": {"law": "log", "roughness": SMOOTH}}},
             fill=[{"type": "block", "material": "water", **block}],
             scheme={"type": "explicit"} | (scheme or {}),
             time={"end": LAST / np.sqrt(experiment.ratio * GRAVITY / WIDTH)},

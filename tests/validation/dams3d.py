@@ -74,6 +74,40 @@ def backwater(rows: int = 10, end: float = 2.0) -> float:
     return mean_force(probes["force_on_dam"], 0.5 * end) / expected
 
 
+def wet_plate(thickness: float = 1.0, end: float = 2.0) -> float:
+    """Return the mean force on a plate wet on both sides over that of the two depths.
+
+    Water 10 and 5 rows deep at the start on both sides of a plate that is ``thickness`` spacings
+    thick, in a tank with smooth walls; the force is that of the second half.
+    """
+    spacing, width, edge, end_of_tank = 0.05, 0.6, 0.6, 1.2
+    plate = {"x": (edge, edge + thickness * spacing), "y": (0.0, width), "z": (0.0, 0.8)}
+    behind = edge + np.ceil(thickness) * spacing
+    waters = [((0.0, edge), 0.5), ((behind, end_of_tank), 0.25)]
+    block = {"type": "block", "material": "water", "y": (0.0, width)}
+    smooth = {"slip": "free-slip"}
+    tank = {"type": "tank3d", "length": end_of_tank, "width": width, "height": 1.0}
+    case = complete(
+        Case(
+            title="plate in water",
+            particles={"spacing": spacing},
+            geometry=tank,
+            walls=dict.fromkeys(("floor", "left", "right", "front", "back"), smooth),
+            obstacle=[{"type": "box", "name": "dam", **plate, **smooth}],
+            fill=[block | {"x": x, "z": (0.0, depth)} for x, depth in waters],
+            scheme={"type": "explicit"},
+            time={"end": end},
+            output={"interval": end},
+            probe=[_force("dam", end / 100)],
+        )
+    )
+    _, probes = probed(case)
+    spread = (end_of_tank - behind) / (end_of_tank - plate["x"][1])
+    squares = waters[0][1] ** 2 - (spread * waters[1][1]) ** 2
+    expected = 0.5 * DENSITY * GRAVITY * width * squares
+    return mean_force(probes["force_on_dam"], 0.5 * end) / expected
+
+
 def jet(rows: int = 5, end: float = 1.6, speed: float = 1.0) -> float:
     """Return the mean force of a jet, turned upwards, over ``rho Q u``, in the second half.
 

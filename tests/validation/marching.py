@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from debrisflow.case import tables
 from debrisflow.particles.state import State, initial_state
-from debrisflow.run.loop import SCHEMES
 from debrisflow.run.measures import elastic_energy, energies
+from debrisflow.schemes.choice import scheme_of
 
 
 def states(case: tables.Case, interval: float = 0.0) -> Iterator[State]:
@@ -15,7 +15,7 @@ def states(case: tables.Case, interval: float = 0.0) -> Iterator[State]:
 
     It is one object that changes.  Steps are not shortened for the intervals; 0 is every step.
     """
-    scheme, state = SCHEMES[case.scheme.type](case), initial_state(case)
+    scheme, state = scheme_of(case), initial_state(case)
     scheme.fill_number_density(state)
     yield state
     count = 0

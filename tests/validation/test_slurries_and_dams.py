@@ -33,7 +33,8 @@ def test_a_film_below_yield_holds():
 
 
 def test_a_block_of_slurry_stops_in_the_shape_of_the_closed_form():
-    found = deposit3d.run(0.01, end=2.0)
+    # as a Bingham slurry it comes to rest ever more slowly: at 2 s it still creeps by 1.5 mm
+    found = deposit3d.run(0.01, end=3.0)
     assert found.crept < 0.001
     for step in (0.0, deposit3d.STEP):
         assert found.error(deposit3d.front_by_volume(step), step) < 0.10
@@ -41,15 +42,17 @@ def test_a_block_of_slurry_stops_in_the_shape_of_the_closed_form():
 
 
 def test_still_water_presses_on_a_dam_by_its_depth():
-    assert dams3d.backwater(end=1.0) == pytest.approx(1.0, abs=0.05)
+    assert dams3d.backwater(end=1.0) == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.parametrize("thickness", [1.0, 0.5])
+def test_a_plate_wet_on_both_sides_takes_what_the_depths_differ_by(thickness):
+    assert dams3d.wet_plate(thickness) == pytest.approx(1.0, abs=0.03)
 
 
 def test_a_dam_takes_the_momentum_of_a_jet():
-    """The force read from the particles is too great: 10 % at five rows of particles, 8 % here.
-
-    No momentum along the floor is left in what leaves, so that the wall itself takes all of it.
-    """
-    assert dams3d.jet(rows=8, end=1.2) == pytest.approx(1.0, abs=0.10)
+    """No momentum along the floor is left in what leaves, so that the wall takes all of it."""
+    assert dams3d.jet(rows=8, end=1.2) == pytest.approx(1.0, abs=0.05)
 
 
 @pytest.fixture(scope="module")

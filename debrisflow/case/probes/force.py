@@ -9,7 +9,7 @@ from debrisflow.case.probe import Fault, Faults, Probe, Space
 
 
 class ForceProbe(Probe):
-    """Force and moment of the pressure on a whole wall or obstacle."""
+    """Force and moment on a whole wall or obstacle; in two dimensions those of the pressure."""
 
     type: Literal["force"]
     wall: str = quantity(NONE, "name of the wall (floor, left, ...) or of the obstacle")

@@ -10,7 +10,7 @@ below.  The functions here take the record as their last argument and run the fo
 from __future__ import annotations
 
 from debrisflow._jit import kernel
-from debrisflow.dispatch import by_law
+from debrisflow.dispatch import by_record
 
 Law = tuple[float, ...]
 """The record of a law: a NamedTuple of its numbers."""
@@ -28,20 +28,20 @@ def harmonic_mean(a, b):
     return 2.0 * a * b / max(a + b, 1e-300)  # without a branch
 
 
-@by_law
+@by_record
 def ramp(concentration, law):
     """Return R: 0 below the ramp of the concentration, 1 above it, linear between."""
     risen = (concentration - law.ramp_start) / (law.ramp_end - law.ramp_start)
     return min(max(risen, 0.0), 1.0)
 
 
-@by_law
+@by_record
 def friction(pressure, shear_rate, law):
     """Return mu, the friction of grains under a pressure between them above 0; 0 in a slurry."""
     return 0.0
 
 
-@by_law
+@by_record
 def yield_strength(pressure, concentration, shear_rate, law):
     """Return tau_y, Pa, without the ramp; of grains it is ``mu p``.
 
@@ -51,19 +51,19 @@ def yield_strength(pressure, concentration, shear_rate, law):
     return friction(pressure, shear_rate, law) * pressure if pressure > 0.0 else 0.0
 
 
-@by_law
+@by_record
 def consistency_at(concentration, law):
     """Return K, Pa s^n, of a concentration or an array of them; None of a law that has none."""
     return
 
 
-@by_law
+@by_record
 def power_law_viscosity(consistency, shear_rate, law):
     """Return ``K rate^(n - 1)``, Pa s, of a consistency, capped; 0 of a law that has none."""
     return 0.0
 
 
-@by_law
+@by_record
 def yielding_viscosity(strength, shear_rate, law):
     """Return ``min(strength / max(rate, smallest), largest)``, Pa s.
 

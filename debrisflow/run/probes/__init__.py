@@ -11,6 +11,7 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probe import Probe, only_subclass
 from debrisflow.errors import OutputError
+from debrisflow.particles.seeding import wall_particles
 from debrisflow.particles.state import State
 from debrisflow.run.probe import Column, Sampler
 
@@ -27,16 +28,25 @@ def samplers(case: ResolvedCase, state: State) -> dict[str, Sampler]:
     OutputError
         If a state that is continued lacks the running sum of a probe.
     """
+    classes = {probe.name: sampler_of(probe.type) for probe in case.probe}
+    walls = state.particles
+    if case.has_surfaces and any(sampler.reads_walls(case) for sampler in classes.values()):
+        walls = wall_particles(case)  # surfaces, drawn once for all probes
     found = {
-        probe.name: sampler_of(probe.type)(probe, case, state.particles) for probe in case.probe
+        probe.name: classes[probe.name](
+            probe, case, walls if classes[probe.name].reads_walls(case) else state.particles
+        )
+        for probe in case.probe
     }
     for name, sampler in found.items():
-        if sampler.sum_shape is None or name in state.sums:
+        if sampler.sum_shape is None:
+            continue
+        if name in state.sums and state.sums[name].shape == sampler.sum_shape:
             continue
         if state.step > 0:
             raise OutputError(
-                f"the checkpoint holds no running sum of the probe '{name}', which is not a probe "
-                "of the run that wrote it; start the run again"
+                f"the checkpoint holds no running sum of the probe '{name}': it is no probe of the "
+                "run that wrote it, or an older version wrote it; start the run again"
             )
         state.sums[name] = np.zeros(sampler.sum_shape)
     return found

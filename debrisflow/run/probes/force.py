@@ -10,34 +10,48 @@ from debrisflow.case.probes.force import ForceProbe
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
 from debrisflow.run.probe import Column, Sampler
-from debrisflow.run.wall_pressure import OF_STEP, force, pressure_on, wall_faces
+from debrisflow.run.wall_pressure import force, pressure_on, wall_faces
+from debrisflow.space.domain import wall_names
 
 Floats = NDArray[np.float64]
+IMPULSE, SAMPLED, TIME = slice(0, 6), slice(6, 12), 12  # in the running sum
 
 
 class WallForce(Sampler):
-    """Force and moment of the pressure on a whole wall: the sum over its faces.
+    """Force and moment on a whole wall, the means over the steps since the sample before.
 
-    The impulse since t = 0 is the sum of force and time step over all steps, whatever the interval.
+    In three dimensions what the wall does to the fluid, in two the pressure on its faces.  The
+    running sum holds the impulses of force and moment since t = 0, these at the last sample, and
+    its time.
     """
 
-    sum_shape = (3,)
+    sum_shape = (13,)
 
     def __init__(self, probe: ForceProbe, case: ResolvedCase, particles: Particles) -> None:
         self._case, self._name = case, probe.name
-        self._faces = wall_faces(case, particles, probe.wall)
-        self._area = case.particles.spacing ** (case.dimension - 1)
+        self._number = wall_names(case).index(probe.wall)
         self._about = np.zeros(3)
         self._about[: len(probe.about)] = probe.about
+        if not case.has_surfaces:
+            self._faces = wall_faces(case, particles, probe.wall)
+
+    @staticmethod
+    def reads_walls(case: ResolvedCase) -> bool:
+        """See :meth:`Sampler.reads_walls`."""
+        return not case.has_surfaces
 
     @staticmethod
     def columns(dimension: int) -> tuple[Column, ...]:
         """Return the components of force, moment and impulse."""
-        axes, about, width = "xyz", "about the given point", ""
         if dimension == 2:
-            axes, about, width = "xy", f"counterclockwise {about}", "per meter of width"
-        turning = "z" if dimension == 2 else axes
-        push = f"of the pressure on the wall; {OF_STEP}"
+            axes, turning = "xy", "z"
+            push, about = "of the pressure on the wall", "counterclockwise about the given point"
+            width = "per meter of width"
+        else:
+            axes = turning = "xyz"
+            push = "of all that the fluid does to the wall: pressure, shear, friction, collisions"
+            about, width = "about the given point", ""
+        push += "; mean since the row before, in the first row that at rest"
         impulse = "of that force since t = 0, summed over all steps"
         return (
             *(Column(f"force_{axis}", "N", push, width) for axis in axes),
@@ -47,17 +61,23 @@ class WallForce(Sampler):
 
     def sample(self, state: State) -> tuple[float, ...]:
         """Return force, moment and impulse, N, N m, N s, in two dimensions per meter of width."""
-        push, moment = self._push(state)
-        axes = self._case.dimension
-        impulse = state.sums[self._name][:axes]
-        turning = moment if axes == 3 else moment[2:]
-        return (*map(float, push[:axes]), *map(float, turning), *map(float, impulse))
+        kept, axes = state.sums[self._name], self._case.dimension
+        elapsed = max(state.time, 0.0) - kept[TIME]
+        mean = (kept[IMPULSE] - kept[SAMPLED]) / elapsed if elapsed > 0.0 else self._push(state)
+        kept[SAMPLED], kept[TIME] = kept[IMPULSE], max(state.time, 0.0)
+        turning = mean[3:] if axes == 3 else mean[5:]
+        return (*map(float, mean[:axes]), *map(float, turning), *map(float, kept[:axes]))
 
     def add_step(self, state: State) -> None:
         """Add the impulse of the last step; before t = 0 nothing is added."""
         if state.time > 0.0:
-            state.sums[self._name] += state.dt * self._push(state)[0]
+            state.sums[self._name][IMPULSE] += state.dt * self._push(state)
 
-    def _push(self, state: State) -> tuple[Floats, Floats]:
+    def _push(self, state: State) -> Floats:
+        """Return the three components of the force, N, and of its moment, N m."""
+        if self._case.has_surfaces:
+            push, moment = np.split(state.wall_force[self._number], 2)
+            return np.concatenate([push, moment - np.cross(self._about, push)])
+        area = self._case.particles.spacing ** (self._case.dimension - 1)
         pressure = pressure_on(self._faces, self._case, state)
-        return force(self._faces, pressure, self._area, self._about)
+        return np.concatenate(force(self._faces, pressure, area, self._about))

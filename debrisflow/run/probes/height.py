@@ -53,6 +53,11 @@ class Height(Sampler):
         self.base = self._base(particles, case)
 
     @staticmethod
+    def reads_walls(case: ResolvedCase) -> bool:
+        """See :meth:`Sampler.reads_walls`."""
+        return True
+
+    @staticmethod
     def columns(dimension: int) -> tuple[Column, ...]:
         """Return both heights."""
         return (
@@ -94,13 +99,12 @@ class Height(Sampler):
             offset - np.where(self._period > 0.0, self._period, 0.0) * np.rint(offset / repeat)
         )
 
-    def _base(self, p: Particles, case: ResolvedCase) -> float:
+    def _base(self, walls: Particles, case: ResolvedCase) -> float:
         """Return the level of the highest wall under the place that faces upward, m."""
-        solid = slice(p.inflow.stop, p.count)
-        under = np.all(np.abs(self._offset(p.position[solid])) <= (0.5 + 1e-6) * self._d0, axis=1)
-        x, y, _ = p.position[solid].T
+        under = np.all(np.abs(self._offset(walls.position)) <= (0.5 + 1e-6) * self._d0, axis=1)
+        x, y, _ = walls.position.T
         under &= is_over_floor(case, x, y)  # not a rim
-        under &= (p.kind[solid] == Kind.WALL) & (p.wall_normal[solid, self._up] > UPWARD)
+        under &= (walls.kind == Kind.WALL) & (walls.wall_normal[:, self._up] > UPWARD)
         if not under.any():
             raise CaseError(f"probe '{self._name}': no floor under it looks up; move it aside")
-        return float(p.position[solid, self._up][under].max() + 0.5 * self._d0)
+        return float(walls.position[:, self._up][under].max() + 0.5 * self._d0)

@@ -45,6 +45,11 @@ class PatchPressure(Sampler):
         self._faces = Faces(faces.position[share > 0.0], faces.normal[share > 0.0])
 
     @staticmethod
+    def reads_walls(case: ResolvedCase) -> bool:
+        """See :meth:`Sampler.reads_walls`."""
+        return True
+
+    @staticmethod
     def columns(dimension: int) -> tuple[Column, ...]:
         """Return the pressure."""
         return (Column("pressure", "Pa", f"mean over the patch, 0 where it is dry; {OF_STEP}"),)

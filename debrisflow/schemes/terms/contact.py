@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from debrisflow.physics.contact import collide
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.physics.contact import collide, hold_off_walls
 from debrisflow.schemes.terms.term import Step, Term
 
 
@@ -34,3 +37,27 @@ class Contact(Term):
             collided[step.particles.fluid],
         )
         step.velocity = collided
+
+
+class WallContact(Term):
+    """What touches a wall as a surface does not go into it, whatever the terms before have done.
+
+    Parameters
+    ----------
+    reach : float, m
+        Nearer than which a particle touches a wall.
+    sliding : (walls,) float64 array
+        Coefficient of friction of each wall.
+    """
+
+    name = "wall contact"
+
+    def __init__(self, reach: float, sliding: NDArray[np.float64]) -> None:
+        self._reach, self._sliding = reach, sliding
+
+    def act(self, step: Step) -> None:
+        """Take what leads into walls from the velocities of the fluid particles."""
+        p = step.particles
+        before = step.velocity[p.fluid].copy()
+        hold_off_walls(self._reach, self._sliding, step.scene.solid, step.velocity[p.fluid])
+        step.reaction += (step.velocity[p.fluid] - before) / step.dt

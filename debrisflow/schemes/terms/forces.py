@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from debrisflow.physics.compressible import Numbers, advance_velocity
 from debrisflow.schemes.terms.fluid import fluid_of
 from debrisflow.schemes.terms.term import Step, Term
@@ -36,6 +38,7 @@ class Forces(Term):
         """Change the velocity of the fluid particles by all forces and collisions."""
         scene = step.scene
         fluid = fluid_of(scene, self._is_even, self._has_one_viscosity, step.pressure)
+        step.reaction, step.push = np.empty((2, step.particles.fluid_count, 3))
         advance_velocity(
             step.dt,
             fluid,
@@ -43,4 +46,6 @@ class Forces(Term):
             scene.solid,
             self._numbers,
             step.velocity[step.particles.fluid],
+            step.push,
+            step.reaction,
         )

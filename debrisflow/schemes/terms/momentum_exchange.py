@@ -10,12 +10,14 @@ from debrisflow.particles.record import Particles
 from debrisflow.physics.images import find_mirrors, no_mirrors
 from debrisflow.physics.momentum_exchange import Flow, couple_momentum, resist
 from debrisflow.physics.rheology import consistency_at
-from debrisflow.schemes.pair_solver import couplings_of, left_undone, solve_pairs
+from debrisflow.schemes.pair_solver import Couplings, couplings_of, left_undone, solve_pairs
 from debrisflow.schemes.records import law_of
+from debrisflow.schemes.terms.base_friction import BaseFrictions
 from debrisflow.schemes.terms.grain_pressure import grain_weight
 from debrisflow.schemes.terms.term import Scene, Step, Term
 
 Floats = NDArray[np.float64]
+ENTRIES = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 5]])  # of a symmetric matrix, in its six numbers
 STILL = 1e-3  # of the speed, the gain against which it is measured where nothing else acts
 
 
@@ -35,6 +37,8 @@ class MomentumExchange(Term):
         Whether pairs yield at the mean shear rate around the two, not at their own.
     least_viscosity : float, Pa s
         Between two particles.
+    walls : BaseFrictions, optional
+        Friction along walls, which acts within the exchange, so that what it holds stands still.
     """
 
     name = "exchange of momentum"
@@ -47,8 +51,9 @@ class MomentumExchange(Term):
         *,
         is_smooth: bool,
         least_viscosity: float,
+        walls: BaseFrictions | None = None,
     ) -> None:
-        self._is_smooth = is_smooth
+        self._is_smooth, self._walls = is_smooth, walls
         self._case, self._law, self._residual = case, law_of(case), residual
         self._g = float(np.linalg.norm(gravity))
         self._down = gravity / (self._g or 1.0)
@@ -66,7 +71,7 @@ class MomentumExchange(Term):
         system = couplings_of(scene.near, np.arange(p.moving.stop) < p.fluid_count)
         mirrors = no_mirrors(p.moving.stop)
         find_mirrors(scene.near, scene.solid, mirrors)
-        right = flow.density[:, None] * velocity
+        right, drags = flow.density[:, None] * velocity, np.empty(p.moving.stop)
         couple_momentum(
             step.dt,
             scene.velocity,
@@ -78,6 +83,7 @@ class MomentumExchange(Term):
             self._down,
             system,
             right,
+            drags,
         )
         started = scene.velocity
         goal = self._goal(step.dt, started, velocity, p)
@@ -86,6 +92,9 @@ class MomentumExchange(Term):
         if self._gain.shape == velocity.shape:
             # what goes on accelerating as before is found at once
             solution[p.fluid] += self._gain[p.fluid]
+        if self._walls is not None:
+            hold = self._walls.hold(step, solution)
+            system = system._replace(hold=hold * flow.density[:, None])
         iterations = solve_pairs(
             "the exchange of momentum", system, scene.near, right, goal, solution
         )
@@ -93,7 +102,11 @@ class MomentumExchange(Term):
         if p.fluid_count > 0:
             # what the solver left undone is given back evenly, so that no momentum is lost
             undone = left_undone(system, scene.near, right, solution)
-            solution[p.fluid] += undone / p.density[p.fluid].sum()
+            # walls of particles are left out, as when beds in two dimensions were calibrated
+            walls = drags if len(step.reaction) else np.zeros(drags.size)
+            solution[p.fluid] += np.linalg.solve(_inertia(system, walls, p), undone)
+        if len(step.reaction):
+            step.reaction -= _slowed(system, drags, flow, solution)[p.fluid] / step.dt
         self._gain = solution - started
         step.velocity = solution
 
@@ -126,3 +139,20 @@ class MomentumExchange(Term):
             flow,
         )
         return flow
+
+
+def _inertia(system: Couplings, drags: Floats, particles: Particles) -> Floats:
+    """Return what resists a common change of all velocities, (3, 3) array: mass and walls."""
+    p = particles
+    inertia: Floats = (p.density[p.fluid].sum() + drags[p.fluid].sum()) * np.eye(3)
+    if system.hold is not None:
+        inertia += system.hold[p.fluid].sum(axis=0)[ENTRIES]
+    return inertia
+
+
+def _slowed(system: Couplings, drags: Floats, flow: Flow, velocity: Floats) -> Floats:
+    """Return by how much the walls slowed all particles, (n, 3) array, m/s."""
+    slowed = drags[:, None] * velocity
+    if system.hold is not None:
+        slowed += np.einsum("ijk,ik->ij", system.hold[:, ENTRIES], velocity)
+    return slowed / flow.density[:, None]

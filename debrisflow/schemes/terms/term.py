@@ -8,6 +8,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.neighbors.boundary import Boundary
 from debrisflow.neighbors.pairs import Near
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.record import Particles
@@ -24,7 +25,7 @@ class Scene:
     ----------
     state : State
     near : Near
-    solid : Solid
+    solid : Solid or Boundary
     velocity : (moving particles, 3) float64 array, m/s
         Of the mixture: that of the particle's phase less its slip.
     level : (moving particles,) float64 array
@@ -43,7 +44,7 @@ class Scene:
 
     state: State
     near: Near
-    solid: Solid
+    solid: Solid | Boundary
     velocity: Floats
     level: Floats = field(default_factory=lambda: np.zeros(0))
     gradient: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 9), np.float32))
@@ -70,6 +71,10 @@ class Step:
         Changed by the terms.
     pressure : (rows,) float64 array, Pa
         Of all particles that have a list of neighbors.
+    reaction : (fluid particles, 3) float64 array, m/s2
+        What walls as surfaces do to the particles, bounces among it, summed over the terms.
+    push : (fluid particles, 3) float64 array, m/s2
+        What of it is by pressure.
     compression : (moving particles,) float64 array
         rho / rho0 - 1 after the step; of a weakly compressible fluid.
     iterations : int
@@ -80,6 +85,8 @@ class Step:
     dt: float
     velocity: Floats
     pressure: Floats
+    reaction: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    push: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     compression: Floats = field(default_factory=lambda: np.zeros(0))
     iterations: int = 0
 

@@ -1,0 +1,159 @@
+"""The walls of a run as surfaces: who is near them, and what they make the particles feel."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from debrisflow._jit import kernel, loop
+from debrisflow.neighbors.boundary import PULLED_BACK, STRETCH, Boundary, boundary_of, insert_face
+from debrisflow.neighbors.boxes import Boxes, survey
+from debrisflow.neighbors.elements import Elements, add_elements, add_sphere, face_of_elements
+from debrisflow.neighbors.height_field import HeightField, add_ground, find_near_ground
+from debrisflow.neighbors.lists import FixedNeighbors, Neighbors
+from debrisflow.neighbors.near_boxes import cut_pairs, near_boxes
+from debrisflow.neighbors.octant import Octants
+from debrisflow.neighbors.pairs import BLOCK, repeats_of
+
+Floats = NDArray[np.float64]
+
+
+@kernel
+def survey_elements_at(i, position, listed, count, elements, radius, spacing, boundary, room):
+    """Add what particle i, which has a row, feels of the elements of closed surfaces.
+
+    The nearest face, and in a hollow of a body a second one that turns away from it.
+    """
+    row, first, normal, own = boundary.row[i], room[0], room[1], room[2]
+    x, y, z = position[i, 0], position[i, 1], position[i, 2]
+    total, reach = boundary.sums[row], radius * spacing
+    own[:] = 0.0
+    first[:] = 0.0
+    add_elements(x, y, z, listed, count, elements, radius, spacing, STRETCH, own)
+    for f in range(2):
+        distance, number, is_edge = face_of_elements(
+            x, y, z, listed, count, elements, reach, f == 1, first, normal
+        )
+        if f == 0 and number >= 0 and distance < -PULLED_BACK * spacing:
+            add_sphere(radius, own)
+        if number >= 0:
+            push = -(own[2] * normal[0] + own[3] * normal[1] + own[4] * normal[2]) / spacing
+            insert_face(row, distance, normal, number, push, is_edge, boundary)
+        first[:] = normal
+    for s in range(own.size):
+        total[s] += own[s] / spacing if 2 <= s <= 4 else own[s]
+
+
+@kernel
+def _survey_elements(begin, end, position, index, row, count, elements, radius, spacing, boundary):
+    room = (np.empty(3), np.empty(3), np.empty(boundary.sums.shape[1]))
+    for i in range(begin, end):
+        if count[i] > 0:
+            listed = index[row[i]]
+            survey_elements_at(
+                i, position, listed, count[i], elements, radius, spacing, boundary, room
+            )
+
+
+@loop
+def survey_elements(position, index, row, count, elements, radius, spacing, boundary):
+    """Add to sums and faces of all particles what they feel of closed surfaces.
+
+    ``index``, ``row`` and ``count`` are the lists of
+    :class:`debrisflow.neighbors.lists.FixedNeighbors` among the elements.
+    """
+    for block in prange((count.size + BLOCK - 1) // BLOCK):
+        begin, end = block * BLOCK, min(block * BLOCK + BLOCK, count.size)
+        _survey_elements(
+            begin, end, position, index, row, count, elements, radius, spacing, boundary
+        )
+
+
+class Surfaces:
+    """The walls of a case, and what the particles feel of them at a step.
+
+    Parameters
+    ----------
+    boxes : Boxes
+    table : Octants
+    spacing : float, m
+    slip : (walls,) float64 array
+        See :class:`Boundary`.
+    elements : Elements
+        Of closed surfaces, with their images in a domain that repeats.
+    ground : HeightField or None
+    skin : float
+        The greatest skin of the lists, in spacings.
+    period : (3,) float64 array, m
+        Of the domain, 0 along axes along which it does not repeat.
+    """
+
+    def __init__(
+        self,
+        boxes: Boxes,
+        table: Octants,
+        spacing: float,
+        slip: Floats,
+        elements: Elements,
+        ground: HeightField | None,
+        skin: float,
+        period: Floats,
+    ) -> None:
+        self._boxes, self._table, self._spacing = boxes, table, spacing
+        self._slip, self._elements, self._ground = slip, elements, ground
+        self._period = period
+        self._lists: FixedNeighbors | None = None
+        if elements.area.size:
+            reach = table.radius * spacing
+            self._lists = FixedNeighbors(elements.middle, reach, spacing, np.zeros(3), skin)
+
+    def build(self, position: Floats, skin: float) -> None:
+        """Find who comes near a wall before the lists, which have a skin, m, are built again."""
+        reach = self._table.radius * self._spacing + skin
+        self._built_at = position.copy()
+        self._nearby = near_boxes(position, self._boxes, reach)
+        is_near = np.diff(self._nearby.start) > 0
+        if self._ground is not None:
+            find_near_ground(position, self._ground, reach, is_near)
+        if self._lists is not None:
+            self._lists.set_skin(skin / self._spacing)
+            self._lists.build(position)
+            is_near |= self._lists.count > 0
+        row = np.where(is_near, np.cumsum(is_near) - 1, -1).astype(np.int32)
+        self._boundary = boundary_of(row, self._slip)
+
+    def cut(self, position: Floats, lists: Neighbors) -> None:
+        """Take from fresh lists of the fluid the pairs that plates keep apart."""
+        if np.any(self._boxes.is_thin):
+            row, boxes = self._boundary.row, self._boxes
+            cut_pairs(position, row, repeats_of(lists.period), boxes, lists.index, lists.count)
+
+    def survey(self, position: Floats) -> Boundary:
+        """Return what the particles feel at their present places.
+
+        A particle that has since come in again at the other end of a domain that repeats is looked
+        up where it left it, since its list holds the images of walls beyond that end.
+        """
+        if self._period.any():
+            repeat = np.where(self._period > 0.0, self._period, np.inf)
+            moved = position - self._built_at
+            position = position - np.where(self._period > 0.0, self._period, 0.0) * np.rint(
+                moved / repeat
+            )
+        radius, spacing = self._table.radius, self._spacing
+        survey(position, self._boxes, self._nearby, self._table, spacing, self._boundary)
+        if self._ground is not None:
+            add_ground(position, self._ground, radius, spacing, self._boundary)
+        if self._lists is not None:
+            survey_elements(
+                position,
+                self._lists.index,
+                self._lists.row,
+                self._lists.count,
+                self._elements,
+                radius,
+                spacing,
+                self._boundary,
+            )
+        return self._boundary

@@ -1,0 +1,130 @@
+"""The meshes of a case that are obstacles, cut into small triangles (NumPy and pyvista)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import ResolvedCase
+from debrisflow.case.bodies import MeshObstacle
+from debrisflow.case.regions import MESH_SLACK, surface_of
+from debrisflow.case.triangles import Surface
+from debrisflow.space.bodies import bodies_of
+from debrisflow.space.domain import WALL_NAMES, domain
+
+Floats = NDArray[np.float64]
+WIDEST = 0.5
+"""Longest side of an element, in spacings."""
+
+
+def pieces_of(
+    case: ResolvedCase, pulled_back: float
+) -> tuple[Floats, NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the meshes that are obstacles as small triangles.
+
+    Parameters
+    ----------
+    case : ResolvedCase
+    pulled_back : float
+        Spacings by which the solid of the sums lies behind its surface.
+
+    Returns
+    -------
+    pieces : (n, 3, 6) float64 array, m
+        Three corners on the surface, and on the solid of the sums.
+    number : (n,) int64 array
+        Of the wall that they belong to.
+    is_face : (n,) bool array
+        False where they lie in a wall of the space, as the base of a body on a floor.
+    """
+    pieces, number = [np.zeros((0, 3, 6))], [np.zeros(0, dtype=np.int64)]
+    is_face = [np.zeros(0, dtype=np.bool_)]
+    period = domain(case).period
+    for wall, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
+        if not isinstance(obstacle, MeshObstacle):
+            continue
+        own = _cut(
+            _with_inner(_outward(surface_of(obstacle)), pulled_back, case), case.particles.spacing
+        )
+        shifts = [np.zeros(3)]
+        for axis in np.flatnonzero(period):
+            shifts += [sign * period[axis] * np.eye(3)[axis] for sign in (-1.0, 1.0)]
+        for shift in shifts:
+            pieces.append(own + np.tile(shift, 2))
+            number.append(np.full(len(own), wall))
+            is_face.append(~_in_walls(own[:, :, :3], case))
+    return np.concatenate(pieces), np.concatenate(number), np.concatenate(is_face)
+
+
+def area_vectors(corners: Floats) -> Floats:
+    """Return the vector area of triangles, (n, 3, 3) array, m; outward if they turn to the left."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    vectors: Floats = 0.5 * np.cross(b - a, c - a)
+    return vectors
+
+
+def _outward(surface: Surface) -> Floats:
+    """Return the corners of the triangles, which turn to the left as seen from outside."""
+    import pyvista
+
+    faces = np.arange(3 * len(surface.corners)).reshape(-1, 3)
+    mesh = pyvista.PolyData.from_regular_faces(surface.corners.reshape(-1, 3), faces)
+    turned = mesh.clean().compute_normals(
+        point_normals=False, cell_normals=True, auto_orient_normals=True
+    )
+    corners: Floats = np.asarray(turned.points, dtype=float)[turned.regular_faces]
+    against = np.sum(area_vectors(corners) * turned.cell_data["Normals"], axis=1) < 0.0
+    corners[against] = corners[against][:, ::-1]
+    return corners
+
+
+def _with_inner(corners: Floats, pulled_back: float, case: ResolvedCase) -> Floats:
+    """Return triangles with those of the solid of the sums, (n, 3, 6): all faces pulled back.
+
+    A vertex moves so that each face around it moves by the same along its normal; the base of a
+    body that stands on a wall follows the solid of that wall.
+    """
+    area = area_vectors(corners)
+    normal = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
+    back = pulled_back * case.particles.spacing
+    moved = np.where(_in_walls(corners, case), back, -back)
+    _, vertex = np.unique(
+        np.rint(corners.reshape(-1, 3) / (1e-6 * case.particles.spacing)),
+        axis=0,
+        return_inverse=True,
+    )
+    vertex = vertex.reshape(-1)
+    matrix, right = (
+        np.zeros((vertex.max(initial=-1) + 1, 3, 3)),
+        np.zeros((vertex.max(initial=-1) + 1, 3)),
+    )
+    own = np.repeat(normal, 3, axis=0)
+    np.add.at(matrix, vertex, own[:, :, None] * own[:, None, :])
+    np.add.at(right, vertex, own * np.repeat(moved, 3)[:, None])
+    shift = np.einsum("vij,vj->vi", np.linalg.pinv(matrix, rcond=1e-3), right)
+    return np.concatenate([corners, corners + shift[vertex].reshape(corners.shape)], axis=2)
+
+
+def _cut(pieces: Floats, spacing: float) -> Floats:
+    """Return triangles, (n, 3, 6), halved along their longest sides until none is too wide."""
+    done = []
+    while len(pieces):
+        corners = pieces[:, :, :3]
+        sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+        longest = np.argmax(sides, axis=1)
+        small = sides.max(axis=1) <= WIDEST * spacing
+        done.append(pieces[small])
+        rows, first = np.flatnonzero(~small), longest[~small]
+        a, b, c = (pieces[rows, (first + k) % 3] for k in range(3))
+        middle = 0.5 * (a + b)
+        pieces = np.concatenate([np.stack([a, middle, c], 1), np.stack([middle, b, c], 1)])
+    return np.concatenate(done)
+
+
+def _in_walls(corners: Floats, case: ResolvedCase) -> NDArray[np.bool_]:
+    """Return which triangles lie in another wall or on its surface."""
+    slack, inside = MESH_SLACK * case.particles.spacing, np.zeros(len(corners), dtype=bool)
+    for body in bodies_of(case):
+        held = body.holds(corners.reshape(-1, 3), slack)
+        inside |= np.all(held.reshape(-1, 3), axis=1)
+    return inside
