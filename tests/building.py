@@ -13,7 +13,7 @@ from debrisflow.neighbors.boxes import Boxes
 from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.lists import Neighbors, group
 from debrisflow.neighbors.octant import octants
-from debrisflow.neighbors.pairs import Near
+from debrisflow.neighbors.pairs import Near, repeats_of
 from debrisflow.neighbors.surfaces import Surfaces
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.maxima import no_maxima
@@ -128,9 +128,8 @@ def two_lists(position, lattice, period=NOWHERE, supply_from=None):
 
 
 def _near(lattice, period, **lists):
-    inverse = np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)
     return Near(
-        period=np.stack([period, inverse]) if period.any() else None,
+        period=repeats_of(period),
         spacing=lattice.spacing,
         effective_radius=lattice.effective_radius,
         dimension=float(lattice.dimension),

@@ -14,7 +14,12 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.half_space import across_beyond, lever_beyond, push_beyond
+from debrisflow.neighbors.half_space import (
+    across_beyond,
+    lever_beyond,
+    number_density_beyond,
+    push_beyond,
+)
 from debrisflow.neighbors.octant import SUMS
 from debrisflow.neighbors.pairs import BLOCK
 
@@ -221,7 +226,7 @@ def wall_moments_at(i, velocity, near, solid):
             continue
         share = solid.push[solid.row[i], f] / full
         across = share * across_beyond(q, radius)
-        n = share * np.pi / 3.0 * max(radius - q, 0.0) ** 3
+        n = share * number_density_beyond(q, radius)
         stick = 1.0 - solid.slip[number]
         along = stick * 0.5 * (n - across)
         rest = across - along

@@ -267,10 +267,8 @@ def wall_push_at(i, fluid, near, solid, numbers):
     size = np.sqrt(gx * gx + gy * gy + gz * gz)
     if size == 0.0:
         return 0.0, 0.0, 0.0
-    p, (bx, by, bz) = (
-        fluid.total_pressure[i],
-        gradient_along_walls_at(i, fluid, near, solid, numbers),
-    )
+    p = fluid.total_pressure[i]
+    bx, by, bz = gradient_along_walls_at(i, fluid, near, solid, numbers)
     x = 2.0 * p * gx + xx * bx + xy * by + xz * bz
     y = 2.0 * p * gy + xy * bx + yy * by + yz * bz
     z = 2.0 * p * gz + xz * bx + yz * by + zz * bz

@@ -51,9 +51,11 @@ class Explicit(Scheme):
         Ground over the floor of the case.
     """
 
+    vicinity: ListAndSurfaces
+
     def __init__(self, case: ResolvedCase, ground: HeightField | None = None) -> None:
         super().__init__(case)
-        self._lists = self.vicinity = ListAndSurfaces(
+        self.vicinity = ListAndSurfaces(
             case,
             self.lattice,
             self.domain,
@@ -124,11 +126,11 @@ class Explicit(Scheme):
         is_fresh = state.step % self.REFRESH == 0
         if is_fresh:
             fastest, _ = self._motion.survey(p)
-            self._lists.choose_skin(fastest * self.case.time.largest_step / self.lattice.spacing)
+            self.vicinity.choose_skin(fastest * self.case.time.largest_step / self.lattice.spacing)
         super()._update_neighbors(state)
         if is_fresh:
             lost = np.empty(p.fluid_count, dtype=np.bool_)
-            find_inside(self._lists.near.spacing, self._lists.solid, lost)
+            find_inside(self.vicinity.near.spacing, self.vicinity.solid, lost)
             if lost.any():
                 remove_lost(state, lost)
-                self._lists.update(p, is_fresh)
+                self.vicinity.update(p, is_fresh)

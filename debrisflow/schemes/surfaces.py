@@ -83,10 +83,7 @@ def _pull_back(boxes: Boxes, bodies: list[Body], case: ResolvedCase) -> None:
             boxes.number[b, axis, end] = -1
         else:
             faces[b, axis] -= outward * back
-    for b, axis, end in (
-        *np.argwhere(covered),
-        *np.argwhere(covered),
-    ):  # twice, along three in a row
+    for b, axis, end in 2 * list(np.argwhere(covered)):  # twice, along three in a row
         surface = (boxes.lower, boxes.upper)[end][b, axis]
         faces = (boxes.inner_lower, boxes.inner_upper)[end]
         faces[b, axis] = surface + _shift_beside(b, axis, end, boxes, d0)

@@ -102,9 +102,7 @@ class MomentumExchange(Term):
         if p.fluid_count > 0:
             # what the solver left undone is given back evenly, so that no momentum is lost
             undone = left_undone(system, scene.near, right, solution)
-            # walls of particles are left out, as when beds in two dimensions were calibrated
-            walls = drags if len(step.reaction) else np.zeros(drags.size)
-            solution[p.fluid] += np.linalg.solve(_inertia(system, walls, p), undone)
+            solution[p.fluid] += np.linalg.solve(_inertia(system, drags, p), undone)
         if len(step.reaction):
             step.reaction -= _slowed(system, drags, flow, solution)[p.fluid] / step.dt
         self._gain = solution - started
