@@ -91,8 +91,8 @@ class Marin:
     ----------
     series : dict
         By name the (n,) float64 arrays ``time``, s; ``h1`` to ``h4``, m, filled heights;
-        ``top_h1`` to ``top_h4``, m, contiguous heights; ``p1`` to ``p8``, Pa; ``force``, N, along
-        x on the box; all means over 10 ms, as those of the experiment.
+        ``top_h1`` to ``top_h4``, m, contiguous heights; ``p1`` to ``p8``, Pa; all means over
+        10 ms, as those of the experiment.
     through_wall, over_rim : int
         Particles that were lost.
     energy : float
@@ -147,13 +147,13 @@ def run(spacing: float = 0.05, end: float = 2.0, overrides: tuple[str, ...] = ()
     rows, greatest, start, measures = [], 0.0, 0.0, {}
     for state in states(case, MEAN_OVER / SAMPLES):
         measures = measures or samplers(case, state)
-        samples = {name: measure.sample(state) for name, measure in measures.items()}
+        samples = {name: measures[name].sample(state) for name in (*GAUGES, *PRESSURES)}
         levels = np.array([samples[name] for name in GAUGES])
         pressures = [samples[name][0] for name in PRESSURES]
-        rows.append([state.time, *levels[:, 1], *levels[:, 0], *pressures, samples["box"][0]])
+        rows.append([state.time, *levels[:, 1], *levels[:, 0], *pressures])
         greatest = max(greatest, energy(case, state))
         start = start or greatest
-    names = ("time", *GAUGES, *(f"top_{name}" for name in GAUGES), *PRESSURES, "force")
+    names = ("time", *GAUGES, *(f"top_{name}" for name in GAUGES), *PRESSURES)
     table = np.array(rows)
     return Marin(
         dict(zip(names, means(table, table[:, 0]).T, strict=True)),
