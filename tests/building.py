@@ -8,8 +8,10 @@ import numpy as np
 from debrisflow._jit import kernel
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.neighbors.boundary import PULLED_BACK, boundary_of
+from debrisflow.neighbors.beyond import Beyond
+from debrisflow.neighbors.boundary import Walls, boundary_of
 from debrisflow.neighbors.boxes import Boxes
+from debrisflow.neighbors.half_space import PULLED_BACK
 from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.lists import Neighbors, group
 from debrisflow.neighbors.octant import octants
@@ -183,7 +185,14 @@ class Plane(NamedTuple):
 
 def no_walls(count):
     """Return what particles feel that are far from all surfaces."""
-    return boundary_of(np.full(count, -1, dtype=np.int32), np.zeros(1))
+    far = np.full(count, -1, dtype=np.int32)
+    return boundary_of(far, smooth_walls(np.zeros(1)), Beyond(2.4, 3.0), 11)
+
+
+def smooth_walls(slip):
+    """Return what walls at rest are like that differ by their slip only."""
+    slip = np.array(slip, dtype=float)
+    return Walls(slip, np.zeros(slip.size), np.zeros((slip.size, 3)))
 
 
 def planes(position, lattice, *walls):
@@ -232,7 +241,7 @@ def felt(position, lattice, boxes, slip=(0.0,), elements=None, ground=None):
         boxes,
         octants(lattice.effective_radius / lattice.spacing),
         lattice.spacing,
-        np.array(slip, dtype=float),
+        smooth_walls(slip),
         no_elements() if elements is None else elements,
         ground=ground,
         skin=0.0,
@@ -337,7 +346,6 @@ def endless_channel(spacing, slope, layers, **tables):
             gravity={"slope": slope},
             geometry={"type": "channel", "length": length, "height": 0.5, "periodic": True},
             fill=[block | layer for layer in layers],
-            scheme={"collision_distance": 0.7},
             time={"end": 10.0},
             output={"interval": 1.0},
             **tables,

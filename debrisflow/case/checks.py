@@ -267,15 +267,30 @@ def density_relaxation_slow(particles: Particles, scheme: AnyScheme, time: Time)
         yield Problem("scheme.density_relaxation", message, relaxation)
 
 
+def operators_of_form(scheme: AnyScheme) -> Problems:
+    """Check that operators of the study are asked for in its form."""
+    if not isinstance(scheme, Scheme) or scheme.form == "study":
+        return
+    usual = Scheme()
+    without: dict[str, object] = {"gradient": "sum", "free_surface": "asymmetry"}
+    without["collision_distance"] = usual.collision_distance
+    for field, value in without.items():
+        given = getattr(scheme, field)
+        if given not in (None, value):
+            message = "has an effect in scheme.form = 'study' only; leave it out"
+            yield Problem(f"scheme.{field}", message, given)
+
+
 def memory_suffices(
     particles: Particles,
     geometry: Geometry,
     obstacle: tuple[AnyObstacle, ...],
     fill: Fill,
     inflow: Inflow | None,
+    scheme: AnyScheme,
 ) -> Problems:
     """Check that the particles fit into the memory that is free."""
-    expected = estimate(particles, geometry, obstacle, fill, inflow)
+    expected = estimate(particles, geometry, obstacle, fill, inflow, scheme)
     available = available_memory()
     if available is not None and expected["memory"] > available:
         message = (
@@ -300,6 +315,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     slip_of_pure_phases,
     *strength_checks.CHECKS,
     *weakly_compressible_checks.CHECKS,
+    operators_of_form,
     step_within_limits,
     density_relaxation_slow,
     *probe_checks.CHECKS,

@@ -16,7 +16,14 @@ from debrisflow.case.shapes import (
     Tank3D,
     plain_of,
 )
-from debrisflow.case.tables import AnyFill, AnyObstacle, Case, Inflow, Particles
+from debrisflow.case.tables import (
+    AnyFill,
+    AnyObstacle,
+    AnyScheme,
+    Case,
+    Inflow,
+    Particles,
+)
 
 # Measured on dam breaks: 2,700 bytes a particle at an influence radius of 3.1, 5,350 at 5.0.  The
 # second term is the neighbor list, the pair geometry and the linear system.
@@ -40,7 +47,9 @@ def particle_estimate(case: Case) -> dict[str, float]:
         ``fluid``, ``inflow`` (all that a channel can hold of the supply), ``wall``, ``total``
         and ``memory`` in bytes.
     """
-    return estimate(case.particles, case.geometry, case.obstacle, case.fill, case.inflow)
+    return estimate(
+        case.particles, case.geometry, case.obstacle, case.fill, case.inflow, case.scheme
+    )
 
 
 def estimate(
@@ -49,11 +58,12 @@ def estimate(
     obstacle: tuple[AnyObstacle, ...],
     fill: tuple[AnyFill, ...],
     inflow: Inflow | None,
+    scheme: AnyScheme,
 ) -> dict[str, float]:
     """Return the estimate of :func:`particle_estimate` from single tables.
 
-    Areas over the square of the spacing; walls by their length and the layers that the influence
-    radius reaches.
+    Areas over the square of the spacing.  In the form study of two dimensions also walls, by their
+    length and the layers that the influence radius reaches.
     """
     spacing = particles.spacing
     layers = int(particles.effective_radius) + 1
@@ -64,7 +74,9 @@ def estimate(
     # Divided twice, since the square of a very small spacing would be zero.
     fluid = sum(areas) / spacing / spacing
     waiting = supply / spacing * layers + supply * _length(geometry) / spacing / spacing
-    wall = (_wall_length(geometry, particles) / spacing + 4 * layers) * layers
+    wall = 0.0
+    if scheme.form == "study":
+        wall = (_wall_length(geometry, particles) / spacing + 4 * layers) * layers
     total = fluid + waiting + wall
     listed = pi * (particles.effective_radius + SKIN) ** 2
     return {

@@ -112,7 +112,7 @@ class ResolvedCase(Case):
     @property
     def has_surfaces(self) -> bool:
         """Whether walls are surfaces in the solution, not particles."""
-        return isinstance(self.scheme, ResolvedExplicitScheme) and self.scheme.form == "stable"
+        return self.scheme.form == "stable"
 
     @property
     def semi_implicit_scheme(self) -> ResolvedScheme:

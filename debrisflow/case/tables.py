@@ -211,16 +211,21 @@ class Scheme(Table):
 
     type: Literal["semi-implicit"] = quantity(NONE, "incompressible", "semi-implicit")
     form: Literal["stable", "study"] = quantity(
-        NONE, "stable: recommended operators; study: those of the study", "stable"
+        NONE,
+        "stable: recommended operators, walls are surfaces, virtual air at the free surface; "
+        "study: those of the study, walls of particles, for comparison",
+        "stable",
     )
     gradient: Literal["sum", "cmps"] | None = quantity(
-        NONE, "pressure gradient: conservative sum, or CMPS of the study", None
+        NONE, "pressure gradient: conservative sum, or, in the form study, CMPS", None
     )
     interface: Literal["symmetric", "study"] | None = quantity(
         NONE, "coefficient of the pressure equation where the density varies", None
     )
     free_surface: Literal["asymmetry", "density"] | None = quantity(
-        NONE, "detection by number density and asymmetry, or by number density alone", None
+        NONE,
+        "detection by number density and asymmetry, or, in the form study, by number density alone",
+        None,
     )
     density_relaxation: float | None = quantity(
         "s", "time in which a density error decays; 0 for no correction", None, ge=0
@@ -232,10 +237,14 @@ class Scheme(Table):
         NONE, "relative residual of the pressure equation", 1.0e-4, gt=0, lt=1
     )
     collision_distance: float = quantity(
-        "spacing", "distance below which approaching particles collide", 0.9, ge=0, le=1
+        "spacing",
+        "distance below which approaching particles collide, in the form study only",
+        0.9,
+        ge=0,
+        le=1,
     )
     collision_restitution: float = quantity(
-        NONE, "coefficient of restitution of particle collisions", 0.2, ge=0, le=1
+        NONE, "coefficient of restitution of collisions with walls and particles", 0.2, ge=0, le=1
     )
 
 

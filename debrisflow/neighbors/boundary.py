@@ -1,4 +1,4 @@
-"""The walls of three dimensions as surfaces: what a particle feels of the solid behind them.
+"""Walls as surfaces: what a particle feels of the solid behind them.
 
 A particle near a wall has the sums over the solid that a lattice of wall particles would give it,
 as integrals, and up to three faces of walls that it stands in front of.  Letters as in
@@ -14,28 +14,38 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.half_space import (
+from debrisflow.neighbors.beyond import (
+    Beyond,
     across_beyond,
+    along_beyond,
+    flux_beyond,
     lever_beyond,
-    number_density_beyond,
     push_beyond,
+    seen_distance,
 )
-from debrisflow.neighbors.octant import SUMS
 from debrisflow.neighbors.pairs import BLOCK
 
 Floats = NDArray[np.float64]
 FACES = 3  # of walls that one particle can stand in front of
-PULLED_BACK = 0.0155
-"""Spacings by which the solid of the sums lies behind its surface."""
-STRETCH = 1.067
-"""By how much the sums see the solid farther away than it is.
-
-The integral over a solid is 7 to 10 % more than the sum over the lattice of wall particles for the
-first row of fluid before it, and 50 to 60 % more for the second, which sees one row of them where
-the integral sees nine tenths of a spacing of solid.  Stretched and pulled back, so that a distance
-q counts as 1.067 q + 0.017, N, G and T_n are within 3 % in both rows."""
 LEAST_HEIGHT = 0.25
 """Spacings below which a height does not divide: nearer, contact holds the particle."""
+
+
+class Walls(NamedTuple):
+    """What the walls are like, by their number.
+
+    Attributes
+    ----------
+    slip : (walls,) float64 array
+        1 where a wall is free-slip, 0 where it is no-slip.
+    roughness : (walls,) float64 array, m
+        Equivalent sand roughness; 0 where the law of the wall does not act.
+    velocity : (walls, 3) float64 array, m/s
+    """
+
+    slip: Floats
+    roughness: Floats
+    velocity: Floats
 
 
 class Boundary(NamedTuple):
@@ -45,8 +55,9 @@ class Boundary(NamedTuple):
     ----------
     row : (n,) int32 array
         Row of a particle in the arrays of those near a wall, -1 far from all.
-    sums : (rows, 11) float64 array
-        n and m of the solid, G, 1/m, and T as xx, yy, zz, xy, xz, yz.
+    sums : (rows, 11 or 17) float64 array
+        n and m of the solid, G, 1/m, and T as xx, yy, zz, xy, xz, yz; in two dimensions the
+        vectors V and H, 1/m, of :mod:`debrisflow.neighbors.quadrant`.
     faces : (rows,) int32 array
         Number of faces, the nearest first.
     distance : (rows, 3) float64 array, m
@@ -61,8 +72,12 @@ class Boundary(NamedTuple):
         Factor of the drag of a face, see :mod:`debrisflow.neighbors.wall_shares`.
     is_edge : (rows, 3) bool array
         Whether the particle stands off an edge of the body, not over a face of it.
-    slip : (walls,) float64 array
-        1 where a wall is free-slip, 0 where it is no-slip.
+    slip, roughness, velocity
+        See :class:`Walls`.
+    radius : float
+        R, in spacings.
+    dimension : float
+        Ds.
     """
 
     row: NDArray[np.int32]
@@ -75,14 +90,18 @@ class Boundary(NamedTuple):
     share: Floats
     is_edge: NDArray[np.bool_]
     slip: Floats
+    roughness: Floats
+    velocity: Floats
+    radius: float
+    dimension: float
 
 
-def boundary_of(row: NDArray[np.int32], slip: Floats) -> Boundary:
-    """Return room for what the particles with a row feel."""
+def boundary_of(row: NDArray[np.int32], walls: Walls, beyond: Beyond, sums: int) -> Boundary:
+    """Return room for what the particles with a row feel, of a number of sums."""
     rows = int(row.max(initial=-1)) + 1
     return Boundary(
         row=row,
-        sums=np.zeros((rows, SUMS)),
+        sums=np.zeros((rows, sums)),
         faces=np.zeros(rows, dtype=np.int32),
         distance=np.zeros((rows, FACES)),
         normal=np.zeros((rows, FACES, 3)),
@@ -90,8 +109,18 @@ def boundary_of(row: NDArray[np.int32], slip: Floats) -> Boundary:
         push=np.zeros((rows, FACES)),
         share=np.ones((rows, FACES)),
         is_edge=np.zeros((rows, FACES), dtype=np.bool_),
-        slip=slip,
+        slip=walls.slip,
+        roughness=walls.roughness,
+        velocity=walls.velocity,
+        radius=beyond.radius,
+        dimension=beyond.dimension,
     )
+
+
+@kernel
+def beyond_of(solid):
+    """Return what lies beyond the faces of walls."""
+    return Beyond(solid.radius, solid.dimension)
 
 
 @kernel
@@ -153,6 +182,93 @@ def face_at(i, f, solid):
 
 
 @kernel
+def wall_density_at(i, near, solid):
+    """Return n and the vector V of the solid before particle i; in two dimensions."""
+    row = solid.row[i]
+    if row < 0:
+        return 0.0, 0.0, 0.0, 0.0
+    s = solid.sums[row]
+    return s[0], s[11], s[12], s[13]
+
+
+@kernel
+def wall_source_at(i, u, v, w, fall, near, solid):
+    """Return what the walls of particle i add to the sums of the pressure equation.
+
+    See :func:`debrisflow.neighbors.wall_access.wall_source_at`.  In the wall the pressure is
+
+        p_i + rho [g + sum over the faces of ((u* - u_wall) / dt - g) . n n] . r
+
+    so that after the step nothing moves into a face, and still water is exact beside edges too.
+    That is a divergence of ``-2 H . (u* - u_wall)``, as of a fluid that moves behind the wall
+    against it as it does before it.  Supply moves at a given velocity, whatever the wall does.
+    """
+    row = solid.row[i]
+    if row < 0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    s = solid.sums[row]
+    hx, hy, hz = s[14], s[15], s[16]
+    flux = hx * fall[0] + hy * fall[1] + hz * fall[2]
+    for f in range(face_count(i, solid)):
+        height, nx, ny, nz, number = face_at(i, f, solid)
+        q = seen_distance(height / near.spacing, beyond_of(solid))
+        part = part_of_face(i, f, q, near, solid) * flux_beyond(q, beyond_of(solid)) / near.spacing
+        du, dv, dw = velocity_beside(u - fall[0], v - fall[1], w - fall[2], number, solid)
+        flux -= part * (du * nx + dv * ny + dw * nz)
+    if i >= near.supply_from:
+        flux = 0.0
+    return s[0], s[11], s[12], s[13], -2.0 * flux, s[2], s[3], s[4], hx, hy, hz
+
+
+@kernel
+def own_velocity(i, velocity, near, solid):
+    """Return the velocity of particle i, m/s."""
+    return velocity[i, 0], velocity[i, 1], velocity[i, 2]
+
+
+@kernel
+def pressed_count(i, near, solid):
+    """Return that no neighbor is a wall with a pressure of its own."""
+    return 0
+
+
+@kernel
+def pressed_pair(i, k, near, solid):
+    """Return no row of a wall."""
+    return 0, 0.0
+
+
+@kernel
+def viscous_pull_at(i, velocity, near, solid):
+    """Return the sum of ``(u_j - u_i) w`` over the walls of particle i, m/s.
+
+    ``-(u_t / h) integral of w r_n`` over the faces of no-slip walls, u_t along the wall and
+    relative to it: the profile of the velocity goes on straight through the surface.
+    """
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    x, y, z = 0.0, 0.0, 0.0
+    for f in range(face_count(i, solid)):
+        height, nx, ny, nz, number = face_at(i, f, solid)
+        if solid.slip[number] > 0.0:
+            continue
+        height = max(height, LEAST_HEIGHT * near.spacing)
+        drag = lever_of_face(i, f, height, near, solid) / height
+        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        across = du * nx + dv * ny + dw * nz
+        x -= drag * (du - across * nx)
+        y -= drag * (dv - across * ny)
+        z -= drag * (dw - across * nz)
+    return x, y, z
+
+
+@kernel
+def velocity_beside(u, v, w, number, solid):
+    """Return a velocity relative to that of a wall, m/s."""
+    velocity = solid.velocity
+    return u - velocity[number, 0], v - velocity[number, 1], w - velocity[number, 2]
+
+
+@kernel
 def stick_count(i, near, solid):
     """Return how many places of no-slip or free-slip wall hold particle i by viscosity."""
     return face_count(i, solid)
@@ -170,7 +286,7 @@ def stick_at(i, f, near, solid):
     push = solid.share[solid.row[i], f] * solid.push[solid.row[i], f]
     pull = 2.0 * near.dimension / near.number_density * push / height
     pull *= 1.0 - solid.slip[number]
-    down = 2.0 * height
+    down, velocity = 2.0 * height, solid.velocity
     return (
         pull,
         height,
@@ -180,17 +296,21 @@ def stick_at(i, f, near, solid):
         -down * nx,
         -down * ny,
         -down * nz,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
+        solid.roughness[number],
+        velocity[number, 0],
+        velocity[number, 1],
+        velocity[number, 2],
     )
 
 
 @kernel
-def seen_distance(height, near):
-    """Return the distance to a plane at which the sums see it, in spacings."""
-    return STRETCH * (height / near.spacing + PULLED_BACK)
+def part_of_face(i, f, q, near, solid):
+    """Return what a face pushes particle i by, over what the half space behind it would.
+
+    q is the distance at which the sums see it.
+    """
+    full = push_beyond(q, beyond_of(solid)) / near.spacing
+    return solid.push[solid.row[i], f] / full if full > 0.0 else 0.0
 
 
 @kernel
@@ -199,10 +319,8 @@ def lever_of_face(i, f, height, near, solid):
 
     That of the half space behind it, times the share of its push that is there.
     """
-    q, radius = seen_distance(height, near), near.effective_radius / near.spacing
-    full = push_beyond(q, radius) / near.spacing
-    share = solid.push[solid.row[i], f] / full if full > 0.0 else 0.0
-    return share * lever_beyond(q, radius) * near.spacing
+    q = seen_distance(height / near.spacing, beyond_of(solid))
+    return part_of_face(i, f, q, near, solid) * lever_beyond(q, beyond_of(solid)) * near.spacing
 
 
 @kernel
@@ -210,32 +328,28 @@ def wall_moments_at(i, velocity, near, solid):
     """Return the moments of the velocity gradient over the walls of particle i.
 
     See :func:`debrisflow.neighbors.wall_access.wall_moments_at`.  Of a half space, with T_n across
-    and T_t along it: ``M = T_t (1 - nn) + T_n nn`` and ``B = (u_i / h) (x) T_n n``; of a free-slip
-    one only what is across.
+    and T_t along it: ``M = T_t (1 - nn) + T_n nn`` and ``B = ((u_i - u_wall) / h) (x) T_n n``; of a
+    free-slip one only what is across.
     """
     xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    radius = near.effective_radius / near.spacing
     for f in range(face_count(i, solid)):
         height, nx, ny, nz, number = face_at(i, f, solid)
         height = max(height, LEAST_HEIGHT * near.spacing)
-        q = seen_distance(height, near)
-        full = push_beyond(q, radius) / near.spacing
-        if full <= 0.0:
-            continue
-        share = solid.push[solid.row[i], f] / full
-        across = share * across_beyond(q, radius)
-        n = share * number_density_beyond(q, radius)
+        q = seen_distance(height / near.spacing, beyond_of(solid))
+        share = part_of_face(i, f, q, near, solid)
+        across = share * across_beyond(q, beyond_of(solid))
         stick = 1.0 - solid.slip[number]
-        along = stick * 0.5 * (n - across)
+        along = stick * share * along_beyond(q, beyond_of(solid))
         rest = across - along
         xx, xy, yy = xx + along + rest * nx * nx, xy + rest * nx * ny, yy + along + rest * ny * ny
         xz, yz, zz = xz + rest * nx * nz, yz + rest * ny * nz, zz + along + rest * nz * nz
-        normal = u * nx + v * ny + w * nz
-        gu = normal * nx + stick * (u - normal * nx)
-        gv = normal * ny + stick * (v - normal * ny)
-        gw = normal * nz + stick * (w - normal * nz)
+        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        normal = du * nx + dv * ny + dw * nz
+        gu = normal * nx + stick * (du - normal * nx)
+        gv = normal * ny + stick * (dv - normal * ny)
+        gw = normal * nz + stick * (dw - normal * nz)
         b = across / height
         ux, uy, uz = ux + b * gu * nx, uy + b * gu * ny, uz + b * gu * nz
         vx, vy, vz = vx + b * gv * nx, vy + b * gv * ny, vz + b * gv * nz
@@ -263,8 +377,9 @@ def rebounded(i, u, v, w, reach, restitution, solid):
     Along the normal, with a restitution; what is along the face stays.
     """
     for f in range(face_count(i, solid)):
-        distance, nx, ny, nz, _ = face_at(i, f, solid)
-        approach = -(u * nx + v * ny + w * nz)
+        distance, nx, ny, nz, number = face_at(i, f, solid)
+        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        approach = -(du * nx + dv * ny + dw * nz)
         if distance < reach and approach > 0.0:
             u += (1.0 + restitution) * approach * nx
             v += (1.0 + restitution) * approach * ny

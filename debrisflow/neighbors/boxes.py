@@ -9,9 +9,9 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.boundary import STRETCH, insert_face
-from debrisflow.neighbors.half_space import push_beyond
-from debrisflow.neighbors.octant import box_sums
+from debrisflow.neighbors.beyond import push_beyond, stretched
+from debrisflow.neighbors.boundary import insert_face
+from debrisflow.neighbors.octant import beyond_of, box_sums
 from debrisflow.neighbors.pairs import BLOCK
 
 Floats = NDArray[np.float64]
@@ -30,7 +30,7 @@ class Boxes(NamedTuple):
     lower, upper : (b, 3) float64 array, m
         Ends along these; infinite where the box has none.
     inner_lower, inner_upper : (b, 3) float64 array, m
-        Ends of the solid of the sums, see :data:`PULLED_BACK`.
+        Ends of the solid of the sums, see :data:`debrisflow.neighbors.half_space.PULLED_BACK`.
     number : (b, 3, 2) int64 array
         Number of the wall that the face at each end belongs to; -1 where all of it lies in other
         boxes, so that it is no face.
@@ -157,15 +157,19 @@ def _add_sums(b, row, own, boxes, spacing, boundary):
                 + own[9] * (x * w + z * u)
                 + own[10] * (y * w + z * v)
             )
+    for vector in range(11, own.size, 3):
+        for k in range(3):
+            turned = axes[b, 0, k] * own[vector] + axes[b, 1, k] * own[vector + 1]
+            sums[row, vector + k] += turned / (1.0 if vector == 11 else spacing)
 
 
 @kernel
-def _write_ends(b, boxes, spacing, is_over_face, room):
+def _write_ends(b, boxes, spacing, is_over_face, room, beyond):
     """Write the ends of the solid of a box as the sums see them from the place in the room."""
     for k in range(3):
         place = room.here[k]
-        room.lower[k] = (boxes.inner_lower[b, k] - place) / spacing * STRETCH
-        room.upper[k] = (boxes.inner_upper[b, k] - place) / spacing * STRETCH
+        room.lower[k] = stretched((boxes.inner_lower[b, k] - place) / spacing, beyond)
+        room.upper[k] = stretched((boxes.inner_upper[b, k] - place) / spacing, beyond)
         if boxes.is_thin[b, k] and is_over_face:
             if room.normal[k] > 0.0 and boxes.number[b, k, 0] >= 0:
                 room.lower[k] = -np.inf
@@ -182,7 +186,7 @@ def push_across(b, boxes, table, spacing, room):
     """
     normal, lower, upper, own = room.normal, room.lower, room.upper, room.own
     q, radius, ends = 0.0, table.radius, 0
-    _write_ends(b, boxes, spacing, True, room)
+    _write_ends(b, boxes, spacing, True, room, beyond_of(table))
     for k in range(3):
         lower[k] = lower[k] if boxes.number[b, k, 0] >= 0 else -np.inf
         upper[k] = upper[k] if boxes.number[b, k, 1] >= 0 else np.inf
@@ -191,8 +195,8 @@ def push_across(b, boxes, table, spacing, room):
         elif lower[k] > -radius or upper[k] < radius:
             ends += 1
     if ends == 0:
-        return push_beyond(q, radius) / spacing
-    box_sums(lower, upper, table, own)
+        return push_beyond(q, beyond_of(table)) / spacing
+    box_sums(lower, upper, own, table)
     return abs(own[2] * normal[0] + own[3] * normal[1] + own[4] * normal[2]) / spacing
 
 
@@ -220,7 +224,7 @@ class Room(NamedTuple):
         Normal of a face in these, and in those of the space.
     lower, upper : (3,) arrays
         Ends of the solid of the sums from there, in spacings as the sums see them.
-    own : (11,) array
+    own : (11 or 17,) array
         Sums of a box.
     """
 
@@ -268,8 +272,8 @@ def survey_at(i, position, boxes, listed, table, spacing, boundary, room):
         # the parts of a floor hide each other where they go on beneath
         if distance >= reach or (boxes.is_floor[b] and b != under):
             continue
-        _write_ends(b, boxes, spacing, kind < 2, room)
-        is_half_space = box_sums(lower, upper, table, own)
+        _write_ends(b, boxes, spacing, kind < 2, room, beyond_of(table))
+        is_half_space = box_sums(lower, upper, own, table)
         _add_sums(b, row, own, boxes, spacing, boundary)
         if kind > 1:
             has_edges = True
@@ -286,8 +290,8 @@ def survey_at(i, position, boxes, listed, table, spacing, boundary, room):
         distance, number, kind = face_of(b, here, boxes, normal)
         if distance >= reach or (boxes.is_floor[b] and b != under) or kind < 2 or number < 0:
             continue
-        _write_ends(b, boxes, spacing, False, room)
-        box_sums(lower, upper, table, own)
+        _write_ends(b, boxes, spacing, False, room, beyond_of(table))
+        box_sums(lower, upper, own, table)
         push = -(own[2] * normal[0] + own[3] * normal[1] + own[4] * normal[2]) / spacing
         _turn_back(b, boxes, normal, room.turned)
         if not _is_seam(row, distance, room.turned, spacing, boundary):
@@ -314,7 +318,7 @@ def survey(position, boxes, nearby, table, spacing, boundary):
     boxes : Boxes
     nearby : Nearby
         The boxes within reach of each particle.
-    table : Octants
+    table : Octants or Quadrants
     spacing : float, m
     boundary : Boundary
         Changed.

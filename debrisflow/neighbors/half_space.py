@@ -5,8 +5,8 @@ wall, one particle per cube of a spacing.  Lengths are in spacings, q is the dis
 particle to the plane, R the influence radius, ``w = R / r - 1``, n the direction into the wall.  A
 particle behind the plane, q < 0, sees the rest of the sphere.
 
-The same sums over a lattice of wall particles differ from these by what
-:data:`debrisflow.neighbors.boundary.STRETCH` makes up for.
+The same sums over a lattice of wall particles differ from these by what :data:`STRETCH` makes up
+for.
 """
 
 from __future__ import annotations
@@ -14,6 +14,16 @@ from __future__ import annotations
 import numpy as np
 
 from debrisflow._jit import kernel
+
+PULLED_BACK = 0.0155
+"""Spacings by which the solid of the sums lies behind its surface."""
+STRETCH = 1.067
+"""By how much the sums see the solid farther away than it is.
+
+The integral over a solid is 7 to 10 % more than the sum over the lattice of wall particles for the
+first row of fluid before it, and 50 to 60 % more for the second, which sees one row of them where
+the integral sees nine tenths of a spacing of solid.  Stretched and pulled back, so that a distance
+q counts as 1.067 q + 0.017, N, G and T_n are within 3 % in both rows."""
 
 
 @kernel
@@ -26,8 +36,8 @@ def number_density_beyond(q, r):
     (7.183, 0.0)
     """
     rest = max(r - abs(q), 0.0)
-    beyond = np.pi / 3.0 * rest * rest * rest
-    return beyond if q >= 0.0 else 2.0 * np.pi / 3.0 * r * r * r - beyond
+    total = np.pi / 3.0 * rest * rest * rest
+    return total if q >= 0.0 else 2.0 * np.pi / 3.0 * r * r * r - total
 
 
 @kernel
@@ -41,8 +51,8 @@ def smooth_density_beyond(q, r):
     """
     part = min(abs(q) / r, 1.0)
     rest = (1.0 - part) * (1.0 - part)
-    beyond = np.pi * r * r * r / 30.0 * rest * rest * (2.0 + 3.0 * part)
-    return beyond if q >= 0.0 else 2.0 * np.pi * r * r * r / 15.0 - beyond
+    total = np.pi * r * r * r / 30.0 * rest * rest * (2.0 + 3.0 * part)
+    return total if q >= 0.0 else 2.0 * np.pi * r * r * r / 15.0 - total
 
 
 @kernel
@@ -63,7 +73,7 @@ def push_beyond(q, r):
 
 @kernel
 def across_beyond(q, r):
-    """Return the integral of ``w r_n^2 / r^2``; along each tangent it is half of what is left of N.
+    """Return the integral of ``w r_n^2 / r^2``.
 
     ``pi/9 [R^3 - 9 R q^2 + 8 q^3 + 6 q^3 ln(R/q)]``
 
@@ -74,8 +84,27 @@ def across_beyond(q, r):
     """
     p = min(abs(q), r)
     logarithm = 6.0 * np.log(r / max(p, 1e-9 * r))
-    beyond = np.pi / 9.0 * (r * r * r - 9.0 * r * p * p + p * p * p * (8.0 + logarithm))
-    return beyond if q >= 0.0 else 2.0 * np.pi / 9.0 * r * r * r - beyond
+    total = np.pi / 9.0 * (r * r * r - 9.0 * r * p * p + p * p * p * (8.0 + logarithm))
+    return total if q >= 0.0 else 2.0 * np.pi / 9.0 * r * r * r - total
+
+
+@kernel
+def along_beyond(q, r):
+    """Return the integral of ``w r_t^2 / r^2`` along a tangent, half of what is left of N."""
+    return 0.5 * (number_density_beyond(q, r) - across_beyond(q, r))
+
+
+@kernel
+def flux_beyond(q, r):
+    """Return the integral of ``R r_n / r^3``, ``pi (R - q)^2``.
+
+    Examples
+    --------
+    >>> round(flux_beyond(0.4, 2.4), 3)
+    12.566
+    """
+    rest = max(r - abs(q), 0.0)
+    return np.pi * rest * rest
 
 
 @kernel

@@ -13,7 +13,8 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.boundary import PULLED_BACK, STRETCH, insert_face
+from debrisflow.neighbors.beyond import seen_distance
+from debrisflow.neighbors.boundary import beyond_of, insert_face
 from debrisflow.neighbors.half_space import (
     across_beyond,
     lever_beyond,
@@ -134,7 +135,7 @@ def foot_on(x, y, z, field):
 
 
 @kernel
-def add_ground_at(i, position, field, radius, spacing, boundary):
+def add_ground_at(i, position, field, spacing, boundary):
     """Add what particle i, which has a row, feels of the ground.
 
     That of the half space under its foot, and to first order in the curvature kappa, > 0 in a
@@ -144,10 +145,11 @@ def add_ground_at(i, position, field, radius, spacing, boundary):
     """
     x, y, z = position[i, 0], position[i, 1], position[i, 2]
     distance, nx, ny, nz, curvature = foot_on(x, y, z, field)
+    radius = boundary.radius
     if distance >= radius * spacing:
         return
     row, total = boundary.row[i], boundary.sums[boundary.row[i]]
-    q = STRETCH * (distance / spacing + PULLED_BACK)
+    q = seen_distance(distance / spacing, beyond_of(boundary))
     bent = min(max(curvature * spacing, -SHARPEST), SHARPEST)
     more = bent * lever_beyond(abs(q), radius)
     n, across = number_density_beyond(q, radius), across_beyond(q, radius)
@@ -169,22 +171,20 @@ def add_ground_at(i, position, field, radius, spacing, boundary):
 
 
 @kernel
-def _add_ground(first, last, position, field, radius, spacing, boundary):
+def _add_ground(first, last, position, field, spacing, boundary):
     for i in range(first, last):
         if boundary.row[i] >= 0:
-            add_ground_at(i, position, field, radius, spacing, boundary)
+            add_ground_at(i, position, field, spacing, boundary)
 
 
 @loop
-def add_ground(position, field, radius, spacing, boundary):
+def add_ground(position, field, spacing, boundary):
     """Add to sums and faces of all particles that have a row what they feel of a ground.
 
     Parameters
     ----------
     position : (n, 3) float64 array, m
     field : HeightField
-    radius : float
-        R, in spacings.
     spacing : float, m
     boundary : Boundary
         Changed.
@@ -192,7 +192,7 @@ def add_ground(position, field, radius, spacing, boundary):
     n = boundary.row.size
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
-        _add_ground(first, last, position, field, radius, spacing, boundary)
+        _add_ground(first, last, position, field, spacing, boundary)
 
 
 @kernel

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel
+from debrisflow.dispatch import by_record
+from debrisflow.neighbors.beyond import Beyond
 from debrisflow.neighbors.half_space import (
     across_beyond,
     number_density_beyond,
@@ -69,23 +71,29 @@ def octants(radius: float) -> Octants:
     return Octants(radius, sums)
 
 
+@by_record
+def beyond_of(table):
+    """Return what lies beyond a face that has no end in reach."""
+    return Beyond(table.radius, 3.0)
+
+
 @kernel
-def _place(q, table):
+def _place(q, radius):
     """Return the step of the table below q, not the last one, and the share of the way to the next.
 
     Beyond the reach it is that at its end.
     """
-    at = (min(max(q, -table.radius), table.radius) + table.radius) * STEPS / (2.0 * table.radius)
+    at = (min(max(q, -radius), radius) + radius) * STEPS / (2.0 * radius)
     below = min(int(at), STEPS - 1)
     return below, at - below
 
 
 @kernel
-def add_octant(qx, qy, qz, sign, table, total):
+def add_octant(qx, qy, qz, sign, total, table):
     """Add the sums of an octant, times a sign, to ``total``, (SUMS,) float64 array."""
-    i, x = _place(qx, table)
-    j, y = _place(qy, table)
-    k, z = _place(qz, table)
+    i, x = _place(qx, table.radius)
+    j, y = _place(qy, table.radius)
+    k, z = _place(qz, table.radius)
     for di in range(2):
         wx = sign * (x if di else 1.0 - x)
         for dj in range(2):
@@ -113,7 +121,7 @@ def half_space_sums(q, axis, radius, total):
 
 
 @kernel
-def _turned(lower, upper):
+def turned(lower, upper):
     """Return near and far end of a box along an axis, as seen from the side of it, and that side.
 
     The side is -1 where the box lies to the negative.
@@ -123,30 +131,30 @@ def _turned(lower, upper):
     return lower, upper, 1.0
 
 
-@kernel
-def box_sums(lower, upper, table, total):
+@by_record
+def box_sums(lower, upper, total, table):
     """Write the sums of a box about a particle at the origin; return whether it is a half space.
 
     Parameters
     ----------
     lower, upper : (3,) float64 array
         Its ends along the axes, in spacings; infinite where it has none.
-    table : Octants
     total : (SUMS,) float64 array
         Written; 0 where the box is out of reach.
+    table : Octants or Quadrants
     """
     radius, faces, face, nearest = table.radius, 0, 0, -np.inf
     for s in range(SUMS):
         total[s] = 0.0
     for k in range(3):
-        near, far, _ = _turned(lower[k], upper[k])
+        near, far, _ = turned(lower[k], upper[k])
         if near >= radius:
             return False
         if near > -radius or far < radius:
             faces, face, nearest = faces + 1 + int(far < radius), k, near
-    x_near, x_far, x_side = _turned(lower[0], upper[0])
-    y_near, y_far, y_side = _turned(lower[1], upper[1])
-    z_near, z_far, z_side = _turned(lower[2], upper[2])
+    x_near, x_far, x_side = turned(lower[0], upper[0])
+    y_near, y_far, y_side = turned(lower[1], upper[1])
+    z_near, z_far, z_side = turned(lower[2], upper[2])
     if faces == 1:
         half_space_sums(nearest, face, radius, total)
     else:
@@ -157,7 +165,7 @@ def box_sums(lower, upper, table, total):
                     qy = y_far if b else y_near
                     qz = z_far if c else z_near
                     if max(qx, qy, qz) < radius:
-                        add_octant(qx, qy, qz, 1.0 - 2.0 * ((a + b + c) % 2), table, total)
+                        add_octant(qx, qy, qz, 1.0 - 2.0 * ((a + b + c) % 2), total, table)
     total[2] *= x_side
     total[3] *= y_side
     total[4] *= z_side

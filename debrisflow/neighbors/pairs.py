@@ -139,6 +139,18 @@ def is_inside(weight):
 
 
 @kernel
+def higher_order_weight(inverse, near):
+    """Return ``r_e / r^3``, 1/m2, of the sums of equations (5), (6), (9) and (17); 0 beyond r_e.
+
+    References
+    ----------
+    Khayyer & Gotoh 2009, doi:10.1016/j.coastaleng.2008.10.004 (5); 2010,
+    doi:10.1016/j.apor.2010.01.001 (6).
+    """
+    return near.effective_radius * is_inside(weight(inverse, near)) * inverse * inverse * inverse
+
+
+@kernel
 def gradient_factor(near):
     """Return ``Ds / n0``, the factor of the sums of equation (4) and equation (14)."""
     return near.dimension / near.number_density

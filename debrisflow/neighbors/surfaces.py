@@ -7,14 +7,16 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.boundary import PULLED_BACK, STRETCH, Boundary, boundary_of, insert_face
+from debrisflow.neighbors.boundary import Boundary, Walls, boundary_of, insert_face
 from debrisflow.neighbors.boxes import Boxes, survey
 from debrisflow.neighbors.elements import Elements, add_elements, add_sphere, face_of_elements
+from debrisflow.neighbors.half_space import PULLED_BACK, STRETCH
 from debrisflow.neighbors.height_field import HeightField, add_ground, find_near_ground
 from debrisflow.neighbors.lists import FixedNeighbors, Neighbors
 from debrisflow.neighbors.near_boxes import cut_pairs, near_boxes
-from debrisflow.neighbors.octant import Octants
+from debrisflow.neighbors.octant import Octants, beyond_of
 from debrisflow.neighbors.pairs import BLOCK, repeats_of
+from debrisflow.neighbors.quadrant import Quadrants
 
 Floats = NDArray[np.float64]
 
@@ -76,10 +78,9 @@ class Surfaces:
     Parameters
     ----------
     boxes : Boxes
-    table : Octants
+    table : Octants or Quadrants
     spacing : float, m
-    slip : (walls,) float64 array
-        See :class:`Boundary`.
+    walls : Walls
     elements : Elements
         Of closed surfaces, with their images in a domain that repeats.
     ground : HeightField or None
@@ -92,16 +93,16 @@ class Surfaces:
     def __init__(
         self,
         boxes: Boxes,
-        table: Octants,
+        table: Octants | Quadrants,
         spacing: float,
-        slip: Floats,
+        walls: Walls,
         elements: Elements,
         ground: HeightField | None,
         skin: float,
         period: Floats,
     ) -> None:
         self._boxes, self._table, self._spacing = boxes, table, spacing
-        self._slip, self._elements, self._ground = slip, elements, ground
+        self._walls, self._elements, self._ground = walls, elements, ground
         self._period = period
         self._lists: FixedNeighbors | None = None
         if elements.area.size:
@@ -121,7 +122,8 @@ class Surfaces:
             self._lists.build(position)
             is_near |= self._lists.count > 0
         row = np.where(is_near, np.cumsum(is_near) - 1, -1).astype(np.int32)
-        self._boundary = boundary_of(row, self._slip)
+        sums = self._table.sums.shape[-1]
+        self._boundary = boundary_of(row, self._walls, beyond_of(self._table), sums)
 
     def cut(self, position: Floats, lists: Neighbors) -> None:
         """Take from fresh lists of the fluid the pairs that plates keep apart."""
@@ -144,7 +146,7 @@ class Surfaces:
         radius, spacing = self._table.radius, self._spacing
         survey(position, self._boxes, self._nearby, self._table, spacing, self._boundary)
         if self._ground is not None:
-            add_ground(position, self._ground, radius, spacing, self._boundary)
+            add_ground(position, self._ground, spacing, self._boundary)
         if self._lists is not None:
             survey_elements(
                 position,

@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 
 from debrisflow._jit import kernel
 from debrisflow.dispatch import by_record
-from debrisflow.neighbors.pairs import coupling_weight, inverse_distance, separation, weight
+from debrisflow.neighbors.pairs import (
+    coupling_weight,
+    higher_order_weight,
+    inverse_distance,
+    separation,
+    weight,
+)
 
 Floats = NDArray[np.float64]
 EDGE = 0.9  # greatest component of a unit normal at an edge of two axis-parallel faces
@@ -175,6 +181,77 @@ def contact(dx, dy, dz, j, solid, near):
     """
     nx, ny, nz = solid.normal[j, 0], solid.normal[j, 1], solid.normal[j, 2]
     return face_towards(dx, dy, dz, nx, ny, nz, near.spacing)
+
+
+@by_record
+def wall_density_at(i, near, solid):
+    """Return what the walls of particle i add to n, and to the sum of ``w r_ij / r``."""
+    n, x, y, z = 0.0, 0.0, 0.0, 0.0
+    for k in range(near.wall_count[i]):
+        _, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        w = weight(inverse, near)
+        n += w
+        x, y, z = x + w * inverse * dx, y + w * inverse * dy, z + w * inverse * dz
+    return n, x, y, z
+
+
+@by_record
+def wall_source_at(i, u, v, w, fall, near, solid):
+    """Return what the walls of particle i add to the sums of the pressure equation.
+
+    To n; to the sum of ``w r_ij / r``; to the divergence, 1/s, of a velocity u, v, w of particle
+    i; and to the vectors a and b, see :func:`debrisflow.physics.pressure.source_sums_at`.
+    ``fall``, m/s, is what gravity adds to the velocity in a step.
+    """
+    n, divergence = 0.0, 0.0
+    x, y, z, ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        weighed, q = weight(inverse, near), higher_order_weight(inverse, near)
+        along, f = weighed * inverse, weighed * inverse * inverse
+        wall_u, wall_v, wall_w = velocity_of(j, solid.velocity)
+        n += weighed
+        divergence += q * (dx * (wall_u - u) + dy * (wall_v - v) + dz * (wall_w - w))
+        x, y, z = x + along * dx, y + along * dy, z + along * dz
+        ax, ay, az = ax + f * dx, ay + f * dy, az + f * dz
+        bx, by, bz = bx + q * dx, by + q * dy, bz + q * dz
+    return n, x, y, z, divergence, ax, ay, az, bx, by, bz
+
+
+@by_record
+def own_velocity(i, velocity, near, solid):
+    """Return the velocity of particle i, m/s; of a wall that has a row, that of the wall."""
+    if i < near.wall_from:
+        return velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    else:
+        return velocity_of(i - near.wall_from, solid.velocity)
+
+
+@by_record
+def pressed_count(i, near, solid):
+    """Return how many neighbors of particle i are walls that carry a pressure."""
+    return near.pressed_count[i]
+
+
+@by_record
+def pressed_pair(i, k, near, solid):
+    """Return the row of the k-th of these and ``1 / r``, 1/m."""
+    j, _, _, _, inverse = wall_pair(i, k, near, solid)
+    return near.wall_from + j, inverse
+
+
+@by_record
+def viscous_pull_at(i, velocity, near, solid):
+    """Return the sum of ``(u_j - u_i) w`` over the walls of particle i, m/s."""
+    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(near.wall_count[i]):
+        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
+        height = height_over(dx, dy, dz, j, solid)
+        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, near)
+        f = weight(inverse, near)
+        x, y, z = x + f * du, y + f * dv, z + f * dw
+    return x, y, z
 
 
 @by_record

@@ -14,8 +14,8 @@ import numpy as np
 from numba import prange
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.boundary import face_at, face_count, seen_distance
-from debrisflow.neighbors.half_space import push_beyond
+from debrisflow.neighbors.beyond import push_beyond, seen_distance
+from debrisflow.neighbors.boundary import beyond_of, face_at, face_count
 from debrisflow.neighbors.pairs import BLOCK, fluid_pair
 
 ALIKE = 0.9  # cosine between the normals of faces that are taken for one plane
@@ -104,7 +104,7 @@ def share_at(i, f, near, solid, whole, column):
     """
     height, nx, ny, nz, number = face_at(i, f, solid)
     own, d0 = solid.push[solid.row[i], f], near.spacing
-    full = push_beyond(seen_distance(height, near), near.effective_radius / d0)
+    full = push_beyond(seen_distance(height / d0, beyond_of(solid)), beyond_of(solid))
     if own <= 0.0 or full <= 0.0:
         return 1.0
     square = near.effective_radius * near.effective_radius - d0 * d0

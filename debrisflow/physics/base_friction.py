@@ -23,7 +23,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.boundary import LEAST_HEIGHT, face_at, face_count
+from debrisflow.neighbors.boundary import LEAST_HEIGHT, face_at, face_count, velocity_beside
 from debrisflow.neighbors.pairs import BLOCK
 from debrisflow.physics.turbulence import wall_friction
 
@@ -100,6 +100,7 @@ def friction_at(i, f, u, v, w, pressed, friction, columns, spacing, solid):
     than a spacing.
     """
     height, nx, ny, nz, number = face_at(i, f, solid)
+    u, v, w = velocity_beside(u, v, w, number, solid)
     across = u * nx + v * ny + w * nz
     speed = np.sqrt(max(u * u + v * v + w * w - across * across, 0.0))
     b = 0.0
@@ -152,10 +153,13 @@ def _slow_along_walls(first, last, dt, reaction, friction, columns, spacing, sol
             speed, sliding, b = friction_at(
                 i, f, u, v, w, pressed, friction, columns, spacing, solid
             )
-            _, nx, ny, nz, _ = face_at(i, f, solid)
+            _, nx, ny, nz, number = face_at(i, f, solid)
             kept = slowed_speed(speed, sliding, b, dt) / max(speed, 1e-300)
-            u, v, w = along(u, v, w, nx, ny, nz, kept)
-            velocity[i, 0], velocity[i, 1], velocity[i, 2] = u, v, w
+            du, dv, dw = velocity_beside(u, v, w, number, solid)
+            kept_u, kept_v, kept_w = along(du, dv, dw, nx, ny, nz, kept)
+            velocity[i, 0] = u - (du - kept_u)
+            velocity[i, 1] = v - (dv - kept_v)
+            velocity[i, 2] = w - (dw - kept_w)
 
 
 @loop
@@ -168,18 +172,26 @@ def slow_along_walls(dt, reaction, friction, columns, spacing, solid, velocity):
 
 
 @kernel
-def _hold_along_walls(first, last, dt, velocity, reaction, friction, columns, spacing, solid, hold):
+def _hold_along_walls(
+    first, last, dt, velocity, reaction, friction, columns, spacing, solid, hold, carried
+):
     for i in range(first, last):
         u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
         x, y, z = reaction[i, 0], reaction[i, 1], reaction[i, 2]
         xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        gu, gv, gw = 0.0, 0.0, 0.0
         for f in range(face_count(i, solid)):
             pressed, x, y, z = pressed_by(i, f, x, y, z, solid)
             speed, sliding, b = friction_at(
                 i, f, u, v, w, pressed, friction, columns, spacing, solid
             )
-            _, nx, ny, nz, _ = face_at(i, f, solid)
+            _, nx, ny, nz, number = face_at(i, f, solid)
             held = dt * (sliding / max(speed, SLOWEST) + b * speed)
+            wall = solid.velocity[number]
+            across = wall[0] * nx + wall[1] * ny + wall[2] * nz
+            gu += held * (wall[0] - across * nx)
+            gv += held * (wall[1] - across * ny)
+            gw += held * (wall[2] - across * nz)
             xx, xy, yy = (
                 xx + held * (1.0 - nx * nx),
                 xy - held * nx * ny,
@@ -188,21 +200,22 @@ def _hold_along_walls(first, last, dt, velocity, reaction, friction, columns, sp
             xz, yz, zz = xz - held * nx * nz, yz - held * ny * nz, zz + held * (1.0 - nz * nz)
         hold[i, 0], hold[i, 1], hold[i, 2] = xx, xy, yy
         hold[i, 3], hold[i, 4], hold[i, 5] = xz, yz, zz
+        carried[i, 0], carried[i, 1], carried[i, 2] = gu, gv, gw
 
 
 @loop
-def hold_along_walls(dt, velocity, reaction, friction, columns, spacing, solid, hold):
+def hold_along_walls(dt, velocity, reaction, friction, columns, spacing, solid, hold, carried):
     """Write by what the implicit exchange of momentum holds all fluid particles along walls.
 
     ``hold``, (n, 6) float64 array, is dt times the rates, 1, at which friction slows them at a
     velocity, (n, 3) array, m/s: the sum over the faces of a rate times ``1 - nn``, as xx, xy, yy,
-    xz, yz, zz.
+    xz, yz, zz.  ``carried``, (n, 3) array, m/s, is what this gives of the velocity of moving walls.
     """
     n = hold.shape[0]
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
         _hold_along_walls(
-            first, last, dt, velocity, reaction, friction, columns, spacing, solid, hold
+            first, last, dt, velocity, reaction, friction, columns, spacing, solid, hold, carried
         )
 
 

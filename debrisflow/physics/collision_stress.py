@@ -14,7 +14,7 @@ from debrisflow.neighbors.pairs import (
     laplacian_factor,
     weight,
 )
-from debrisflow.neighbors.wall_access import height_over, wall_pair, wall_velocity_difference
+from debrisflow.neighbors.wall_access import viscous_pull_at
 from debrisflow.physics.granular_temperature import is_grain
 from debrisflow.physics.kinetic_theory import (
     Grains,
@@ -79,13 +79,9 @@ def collision_force_at(i, velocity, fraction, pressure, viscosity, near, solid):
         x += s * (velocity[j, 0] - u) - f * dx
         y += s * (velocity[j, 1] - v) - f * dy
         z += s * (velocity[j, 2] - w) - f * dz
-    for k in range(near.wall_count[i]):
-        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
-        height = height_over(dx, dy, dz, j, solid)
-        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, near)
-        s = pull * mu_i * weight(inverse, near) * (1.0 - solid.slip[j])
-        x, y, z = x + s * du, y + s * dv, z + s * dw
-    return x, y, z
+    wall_x, wall_y, wall_z = viscous_pull_at(i, velocity, near, solid)
+    s = pull * mu_i
+    return x + s * wall_x, y + s * wall_y, z + s * wall_z
 
 
 @kernel

@@ -12,14 +12,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.boundary import (
-    LEAST_HEIGHT,
-    face_at,
-    face_count,
-    lever_of_face,
-    rebounded,
-    wall_sums_at,
-)
+from debrisflow.neighbors.boundary import face_count, rebounded, viscous_pull_at, wall_sums_at
 from debrisflow.neighbors.pairs import (
     BLOCK,
     fluid_pair,
@@ -28,18 +21,13 @@ from debrisflow.neighbors.pairs import (
     weight,
 )
 from debrisflow.physics.contact import impulse, impulse_share
-from debrisflow.physics.operators import cofactors
 from debrisflow.physics.rheology import harmonic_mean
+from debrisflow.physics.wall_push import wall_push_at
 
 Floats = NDArray[np.float64]
 INTERIOR = 0.94  # n/n0 above which the density follows the summed one
 SURFACE = 0.85  # n/n0 below which a particle is at a free surface and carries no pressure
 LEAST_COMPRESSION, GREATEST_COMPRESSION = -0.02, 0.5
-LEAST_MOMENT = 0.04
-"""Share of the moments of a whole neighborhood that is added to them, so that a lone particle has
-no gradient of the pressure along a wall."""
-STIFF_ACROSS = 1.3
-"""The same, by which the gradient across a face is held to that of fluid at rest."""
 
 
 class Fluid(NamedTuple):
@@ -125,7 +113,7 @@ def density_rate_at(i, fluid, near, solid, numbers):
     The first sum, continuity, is over fluid and walls; the second, over fluid, evens out noise
     but not the hydrostatic part, which would make the fluid sink; rho_ij is the mean density of the
     pair.  Behind a wall the fluid moves against it as it does before it, ``-2 u_i . G``: the
-    adjoint of :func:`wall_push_at`.
+    adjoint of :func:`debrisflow.physics.wall_push.wall_push_at`.
 
     References
     ----------
@@ -221,86 +209,6 @@ def mean_viscosity(mu_i, j, viscosity):
 
 
 @kernel
-def gradient_along_walls_at(i, fluid, near, solid, numbers):
-    """Return the pressure gradient in the wall that particle i stands in front of, Pa/m.
-
-    Across each face it is that of fluid at rest, ``rho g . n``; along them that of the fluid before
-    it, by least squares over its neighbors.  With the whole of gravity in the wall thin fronts are
-    held back, with nothing along it a still tank runs at 0.2 m/s, since a fourth of what surrounds
-    a particle at a vertical wall is missing.
-    """
-    total, rho = fluid.total_pressure, density_of(i, fluid.density, numbers)
-    g = numbers.gravity
-    xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    x, y, z = 0.0, 0.0, 0.0
-    for k in range(near.fluid_count[i]):
-        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
-        f = weight(inverse, near) * inverse * inverse
-        xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
-        xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
-        f *= total[j] - total[i]
-        x, y, z = x + f * dx, y + f * dy, z + f * dz
-    third = near.number_density / near.dimension
-    xx, yy, zz = xx + LEAST_MOMENT * third, yy + LEAST_MOMENT * third, zz + LEAST_MOMENT * third
-    for k in range(face_count(i, solid)):
-        _, nx, ny, nz, _ = face_at(i, k, solid)
-        across = STIFF_ACROSS * third
-        xx, xy, yy = xx + across * nx * nx, xy + across * nx * ny, yy + across * ny * ny
-        xz, yz, zz = xz + across * nx * nz, yz + across * ny * nz, zz + across * nz * nz
-        falls = across * rho * (g[0] * nx + g[1] * ny + g[2] * nz)
-        x, y, z = x + falls * nx, y + falls * ny, z + falls * nz
-    a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
-    q = 1.0 / determinant
-    return q * (a * x + b * y + d * z), q * (b * x + c * y + e * z), q * (d * x + e * y + f * z)
-
-
-@kernel
-def wall_push_at(i, fluid, near, solid, numbers):
-    """Return the force of the walls on particle i by their pressure, N/m3.
-
-        -(Ds/n0) [2 P_i G + T . (grad p)_wall]
-
-    the sum form with the pressure ``P_i + (grad p)_wall . r`` at a place r in the wall.  A wall
-    does not pull: it pushes no less than with P_i alone, which is not negative.
-    """
-    _, _, gx, gy, gz, xx, yy, zz, xy, xz, yz = wall_sums_at(i, solid)
-    size = np.sqrt(gx * gx + gy * gy + gz * gz)
-    if size == 0.0:
-        return 0.0, 0.0, 0.0
-    p = fluid.total_pressure[i]
-    bx, by, bz = gradient_along_walls_at(i, fluid, near, solid, numbers)
-    x = 2.0 * p * gx + xx * bx + xy * by + xz * bz
-    y = 2.0 * p * gy + xy * bx + yy * by + yz * bz
-    z = 2.0 * p * gz + xz * bx + yz * by + zz * bz
-    missing = max(p * size - (x * gx + y * gy + z * gz) / size, 0.0) / size
-    push = -gradient_factor(near)
-    return push * (x + missing * gx), push * (y + missing * gy), push * (z + missing * gz)
-
-
-@kernel
-def wall_shear_at(i, velocity, viscosity, near, solid):
-    """Return the force of no-slip walls on particle i by viscosity, N/m3.
-
-    ``-(2 Ds/(lambda n0)) mu sum of (u_t / h) integral of w r_n`` over the faces: the profile of the
-    velocity goes on straight through the surface.
-    """
-    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    x, y, z = 0.0, 0.0, 0.0
-    for f in range(face_count(i, solid)):
-        height, nx, ny, nz, number = face_at(i, f, solid)
-        if solid.slip[number] > 0.0:
-            continue
-        height = max(height, LEAST_HEIGHT * near.spacing)
-        lever = lever_of_face(i, f, height, near, solid)
-        drag = laplacian_factor(near) * viscosity * lever / height
-        across = u * nx + v * ny + w * nz
-        x -= drag * (u - across * nx)
-        y -= drag * (v - across * ny)
-        z -= drag * (w - across * nz)
-    return x, y, z
-
-
-@kernel
 def pair_forces_at(i, fluid, near, numbers):
     """Return force of the fluid, N/m3, and change of velocity by collisions, m/s, of particle i.
 
@@ -343,15 +251,17 @@ def pair_forces_at(i, fluid, near, numbers):
 def wall_forces_at(i, fluid, near, solid, numbers):
     """Return what the walls do to particle i by pressure and by viscosity, N/m3.
 
-    See :func:`wall_push_at` and :func:`wall_shear_at`; the artificial viscosity does not act on
+    See :func:`debrisflow.physics.wall_push.wall_push_at` and
+    :func:`debrisflow.neighbors.boundary.viscous_pull_at`; the artificial viscosity does not act on
     walls, where it would be a drag that depends on the spacing.
     """
     if face_count(i, solid) == 0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    x, y, z = wall_push_at(i, fluid, near, solid, numbers)
-    mu = viscosity_of(i, fluid.viscosity, numbers)
-    u, v, w = wall_shear_at(i, fluid.velocity, mu, near, solid)
-    return x, y, z, u, v, w
+    g, rho = numbers.gravity, density_of(i, fluid.density, numbers)
+    x, y, z = wall_push_at(i, fluid.total_pressure, rho, g, g[0], g[1], g[2], near, solid)
+    drag = laplacian_factor(near) * viscosity_of(i, fluid.viscosity, numbers)
+    u, v, w = viscous_pull_at(i, fluid.velocity, near, solid)
+    return x, y, z, drag * u, drag * v, drag * w
 
 
 @kernel

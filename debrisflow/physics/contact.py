@@ -6,7 +6,7 @@ import numpy as np
 from numba import prange
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.boundary import face_at, face_count
+from debrisflow.neighbors.boundary import face_at, face_count, rebounded, velocity_beside
 from debrisflow.neighbors.pairs import BLOCK, fluid_pair
 from debrisflow.neighbors.wall_access import contact, height_over, velocity_of, wall_pair
 
@@ -104,6 +104,24 @@ def collide(velocity, density, distance, restitution, near, solid, collided):
 
 
 @kernel
+def _bounce_off_walls(first, last, reach, restitution, solid, velocity):
+    for i in range(first, last):
+        if face_count(i, solid) > 0:
+            u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+            u, v, w = rebounded(i, u, v, w, reach, restitution, solid)
+            velocity[i, 0], velocity[i, 1], velocity[i, 2] = u, v, w
+
+
+@loop
+def bounce_off_walls(reach, restitution, solid, velocity):
+    """Let all fluid particles bounce off the surfaces that they are nearer to than ``reach``, m."""
+    n = velocity.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _bounce_off_walls(first, last, reach, restitution, solid, velocity)
+
+
+@kernel
 def held_off_at(i, u, v, w, reach, sliding, solid):
     """Return a velocity of particle i, m/s, without what leads into faces nearer than ``reach``, m.
 
@@ -112,13 +130,15 @@ def held_off_at(i, u, v, w, reach, sliding, solid):
     """
     for f in range(face_count(i, solid)):
         distance, nx, ny, nz, number = face_at(i, f, solid)
-        approach = -(u * nx + v * ny + w * nz)
+        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        approach = -(du * nx + dv * ny + dw * nz)
         if distance >= reach or approach <= 0.0:
             continue
         u, v, w = u + approach * nx, v + approach * ny, w + approach * nz
-        speed = np.sqrt(u * u + v * v + w * w)
-        kept = 1.0 - min(sliding[number] * approach / max(speed, 1e-300), 1.0)
-        u, v, w = kept * u, kept * v, kept * w
+        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        speed = np.sqrt(du * du + dv * dv + dw * dw)
+        lost = min(sliding[number] * approach / max(speed, 1e-300), 1.0)
+        u, v, w = u - lost * du, v - lost * dv, w - lost * dw
     return u, v, w
 
 

@@ -13,10 +13,9 @@ from debrisflow.neighbors.pairs import (
     BLOCK,
     fluid_pair,
     gradient_factor,
-    is_inside,
     weight,
 )
-from debrisflow.neighbors.wall_access import wall_moments_at, wall_pair
+from debrisflow.neighbors.wall_access import wall_density_at, wall_moments_at, wall_pair
 
 LEAST_SPREAD = 4e-3
 """Below this the neighbors stand too nearly on a line or plane for a gradient across it."""
@@ -31,12 +30,9 @@ def number_density_at(i, near, solid):
         w = weight(inverse, near)
         n += w
         x, y, z = x + w * inverse * dx, y + w * inverse * dy, z + w * inverse * dz
-    for k in range(near.wall_count[i]):
-        _, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
-        w = weight(inverse, near)
-        n += w
-        x, y, z = x + w * inverse * dx, y + w * inverse * dy, z + w * inverse * dz
-    return n, np.sqrt(x * x + y * y + z * z)
+    wall_n, wall_x, wall_y, wall_z = wall_density_at(i, near, solid)
+    x, y, z = x + wall_x, y + wall_y, z + wall_z
+    return n + wall_n, np.sqrt(x * x + y * y + z * z)
 
 
 @kernel
@@ -51,6 +47,18 @@ def number_density(near, solid, n):
     for block in prange((n.size + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n.size)
         _number_density(first, last, near, solid, n)
+
+
+@kernel
+def fluid_gradient_at(i, values, near):
+    """Return the part of :func:`gradient_at` that is over the fluid."""
+    x, y, z, f_i = 0.0, 0.0, 0.0, values[i]
+    for k in range(near.fluid_count[i]):
+        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        f = (f_i + values[j]) * weight(inverse, near) * inverse * inverse
+        x, y, z = x + f * dx, y + f * dy, z + f * dz
+    factor = gradient_factor(near)
+    return factor * x, factor * y, factor * z
 
 
 @kernel
@@ -72,10 +80,6 @@ def gradient_at(i, values, with_walls, near, solid):
     solid : Solid
     """
     x, y, z, f_i = 0.0, 0.0, 0.0, values[i]
-    for k in range(near.fluid_count[i]):
-        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
-        f = (f_i + values[j]) * weight(inverse, near) * inverse * inverse
-        x, y, z = x + f * dx, y + f * dy, z + f * dz
     for k in range(near.pressed_count[i]):
         j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
         f = (f_i + values[near.wall_from + j]) * weight(inverse, near) * inverse * inverse
@@ -86,7 +90,8 @@ def gradient_at(i, values, with_walls, near, solid):
             f = 2.0 * f_i * weight(inverse, near) * inverse * inverse
             x, y, z = x + f * dx, y + f * dy, z + f * dz
     factor = gradient_factor(near)
-    return factor * x, factor * y, factor * z
+    fluid_x, fluid_y, fluid_z = fluid_gradient_at(i, values, near)
+    return fluid_x + factor * x, fluid_y + factor * y, fluid_z + factor * z
 
 
 @kernel
@@ -100,18 +105,6 @@ def least_neighbor_value_at(i, values, near, solid):
         j, _, _, _, inverse = wall_pair(i, k, near, solid)
         least = min(least, values[near.wall_from + j] if weight(inverse, near) > 0.0 else least)
     return least
-
-
-@kernel
-def higher_order_weight(inverse, near):
-    """Return ``r_e / r^3``, 1/m2, of the sums of equations (5), (6), (9) and (17); 0 beyond r_e.
-
-    References
-    ----------
-    Khayyer & Gotoh 2009, doi:10.1016/j.coastaleng.2008.10.004 (5); 2010,
-    doi:10.1016/j.apor.2010.01.001 (6).
-    """
-    return near.effective_radius * is_inside(weight(inverse, near)) * inverse * inverse * inverse
 
 
 @kernel

@@ -6,32 +6,34 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import prange
+from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.pairs import BLOCK, fluid_pair, gradient_factor, weight
-from debrisflow.neighbors.wall_access import velocity_of, wall_pair
-from debrisflow.physics.operators import (
-    gradient_at,
+from debrisflow.neighbors.boundary import face_count
+from debrisflow.neighbors.pairs import (
+    BLOCK,
+    fluid_pair,
+    gradient_factor,
     higher_order_weight,
+    weight,
+)
+from debrisflow.neighbors.wall_access import (
+    own_velocity,
+    pressed_count,
+    pressed_pair,
+    wall_source_at,
+)
+from debrisflow.physics.free_surface import density_error, is_given, is_on_free_surface, missing
+from debrisflow.physics.operators import (
+    fluid_gradient_at,
+    gradient_at,
     least_neighbor_value_at,
     number_density_at,
 )
+from debrisflow.physics.wall_push import wall_push_at
 
 DISORDER = 6.0
 """Factor of the disorder term with the sum gradient, see :func:`source_at`."""
-
-
-class FreeSurface(NamedTuple):
-    """When a particle is on the free surface, see :func:`is_on_free_surface`.
-
-    The study takes n < 0.97 n0 alone, which flickers inside the fluid; asking for the asymmetry
-    ``|sum of w r_ij / r| > asymmetry n0`` as well keeps the pressure of the interior, and the
-    first clause keeps an isolated particle from being an unknown of its own.
-    """
-
-    lower: float
-    upper: float
-    asymmetry: float
 
 
 class Interface(NamedTuple):
@@ -56,11 +58,18 @@ class Source(NamedTuple):
         1 / tau: rate at which a density error decays.
     disorder : float
         Factor of the disorder term, 6 for the sum gradient and 0 for others.
+    consistency : float
+        Factor of the divergence: 1, or the ratio between Laplacian and divergence, by which a step
+        projects all of it.
+    fall : (3,) float64 array, m/s
+        What gravity adds to the velocity in a step.
     """
 
     dt: float
     density_rate: float
     disorder: float
+    consistency: float
+    fall: NDArray[np.float64]
 
 
 def higher_order_factor(dimension: int) -> float:
@@ -98,25 +107,7 @@ def interface_coefficient(rho_i, rho_j, interface):
 
 
 @kernel
-def is_on_free_surface(ratio, asymmetry, surface):
-    """Return whether n/n0 and the asymmetry over n0 are those of the free surface.
-
-    n < lower n0, or n < upper n0 and asymmetric.
-    """
-    return ratio < surface.lower or (ratio < surface.upper and asymmetry > surface.asymmetry)
-
-
-@kernel
-def own_velocity(i, velocity, near, solid):
-    """Return the velocity of particle i, m/s; of a wall that has a row, that of the wall."""
-    if i < near.wall_from:
-        return velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    else:
-        return velocity_of(i - near.wall_from, solid.velocity)
-
-
-@kernel
-def source_sums_at(i, velocity, near, solid):
+def source_sums_at(i, velocity, fall, near, solid):
     """Return what the pressure equation needs of all neighbors of particle i.
 
     n; the length of ``sum of w r_ij / r``; the divergence ``sum of (r_e / r^3) r_ij . u_ij`` of
@@ -140,16 +131,11 @@ def source_sums_at(i, velocity, near, solid):
         x, y, z = x + along * dx, y + along * dy, z + along * dz
         ax, ay, az = ax + f * dx, ay + f * dy, az + f * dz
         bx, by, bz = bx + q * dx, by + q * dy, bz + q * dz
-    for k in range(near.wall_count[i]):
-        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
-        weighed, q = weight(inverse, near), higher_order_weight(inverse, near)
-        along, f = weighed * inverse, weighed * inverse * inverse
-        wall_u, wall_v, wall_w = velocity_of(j, solid.velocity)
-        n += weighed
-        divergence += q * (dx * (wall_u - u) + dy * (wall_v - v) + dz * (wall_w - w))
-        x, y, z = x + along * dx, y + along * dy, z + along * dz
-        ax, ay, az = ax + f * dx, ay + f * dy, az + f * dz
-        bx, by, bz = bx + q * dx, by + q * dy, bz + q * dz
+    walls = wall_source_at(i, u, v, w, fall, near, solid)
+    n, divergence = n + walls[0], divergence + walls[4]
+    x, y, z = x + walls[1], y + walls[2], z + walls[3]
+    ax, ay, az = ax + walls[5], ay + walls[6], az + walls[7]
+    bx, by, bz = bx + walls[8], by + walls[9], bz + walls[10]
     return n, np.sqrt(x * x + y * y + z * z), divergence, ax * bx + ay * by + az * bz
 
 
@@ -173,12 +159,12 @@ def coefficients_at(i, density, near, solid, interface, system):
             diagonal += a
             entries += 1
             wet = wet or j < near.supply_from
-    for k in range(near.pressed_count[i]):
-        j, _, _, _, inverse = wall_pair(i, k, near, solid)
+    for k in range(pressed_count(i, near, solid)):
+        j, inverse = pressed_pair(i, k, near, solid)
         if near.effective_radius * inverse > 1.0:
             q = higher_order_weight(inverse, near)
-            a = q * interface_coefficient(rho, density[near.wall_from + j], interface)
-            system.columns[i, entries], system.value[i, entries] = near.wall_from + j, a
+            a = q * interface_coefficient(rho, density[j], interface)
+            system.columns[i, entries], system.value[i, entries] = j, a
             diagonal += a
             entries += 1
     return entries, diagonal, wet
@@ -211,8 +197,9 @@ def source_at(i, velocity, density, near, solid, surface, source, system, n, on_
 
     On the lattice the Laplacian (HL) of r^2 is 7.4265 (2D, r_e = 3.1 d0), 8.5048 (2D, 2.1), 6.910
     (3D, 2.4) or 6.439 (3D, 2.1) instead of 2 Ds, and the divergence (HS) of r 2.4755, 2.8349, 3.455
-    or 3.219 instead of Ds: only their ratio counts, 2/3 of the exact one in two dimensions and 1 in
-    three, so that in two dimensions a step projects 2/3 of the divergence.
+    or 3.219 instead of Ds: only their ratio counts.  It is 2/3 of the exact one in two dimensions
+    and 1 in three, so that in two dimensions a step projects 2/3 of the divergence, unless
+    ``consistency`` makes up for it.
 
     References
     ----------
@@ -220,21 +207,23 @@ def source_at(i, velocity, density, near, solid, surface, source, system, n, on_
     doi:10.1016/j.apor.2010.01.001 (Laplacian).
     """
     n0 = near.number_density
-    n[i], asymmetry, divergence, disorder = source_sums_at(i, velocity, near, solid)
-    on_free_surface[i] = is_on_free_surface(n[i] / n0, asymmetry / n0, surface)
-    system.right[i] = (source.density_rate * (n[i] - n0) - divergence) / source.dt
-    system.diagonal[i] = 0.0
+    n[i], asymmetry, divergence, disorder = source_sums_at(i, velocity, source.fall, near, solid)
+    ratio, asymmetry = n[i] / n0, asymmetry / n0
+    on_free_surface[i] = is_on_free_surface(ratio, asymmetry, surface)
+    error = n0 * density_error(ratio, asymmetry, surface)
+    system.right[i] = (source.density_rate * error - source.consistency * divergence) / source.dt
+    system.diagonal[i] = missing(ratio, asymmetry, surface) / density[i]
     if i < near.supply_from and n[i] > surface.upper * n0:
         # near the surface the sums lack neighbors and do not tell disorder
         spread = gradient_factor(near) * disorder
-        system.diagonal[i] = source.disorder * max(spread, 0.0) / density[i]
+        system.diagonal[i] += source.disorder * max(spread, 0.0) / density[i]
 
 
 @kernel
-def left_side_at(i, density, near, solid, interface, system, on_free_surface):
+def left_side_at(i, density, near, solid, surface, interface, system, on_free_surface):
     """Write the left side of row i after :func:`source_at`; p = 0 where it is given."""
     entries, diagonal, wet = coefficients_at(i, density, near, solid, interface, system)
-    if on_free_surface[i] or not wet or diagonal <= 0.0:
+    if is_given(on_free_surface[i], surface) or not wet or diagonal <= 0.0:
         system.entries[i], system.diagonal[i], system.right[i] = 0, 1.0, 0.0
     else:
         system.entries[i] = entries
@@ -249,7 +238,7 @@ def _assemble(
     for i in range(first, last):
         source_at(i, velocity, density, near, solid, surface, source, system, n, on_surface)
     for i in range(first, last):
-        left_side_at(i, density, near, solid, interface, system, on_surface)
+        left_side_at(i, density, near, solid, surface, interface, system, on_surface)
 
 
 @kernel
@@ -331,6 +320,37 @@ def correct(dt, pressure, density, with_walls, near, solid, velocity):
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
         _correct(first, last, dt, pressure, density, with_walls, near, solid, velocity)
+
+
+@kernel
+def _correct_before_surfaces(first, last, dt, pressure, density, g, near, solid, velocity, push):
+    for i in range(first, last):
+        x, y, z = fluid_gradient_at(i, pressure, near)
+        push[i, 0], push[i, 1], push[i, 2] = 0.0, 0.0, 0.0
+        per = 1.0 / density[i]
+        if face_count(i, solid) > 0:
+            a, b, c = velocity[i, 0] / dt, velocity[i, 1] / dt, velocity[i, 2] / dt
+            u, v, w = wall_push_at(i, pressure, density[i], g, a, b, c, near, solid)
+            push[i, 0], push[i, 1], push[i, 2] = per * u, per * v, per * w
+        velocity[i, 0] += dt * (push[i, 0] - per * x)
+        velocity[i, 1] += dt * (push[i, 1] - per * y)
+        velocity[i, 2] += dt * (push[i, 2] - per * z)
+
+
+@loop
+def correct_before_surfaces(dt, pressure, density, gravity, near, solid, velocity, push):
+    """Subtract ``dt grad p / rho`` from the velocity of the fluid particles before surfaces.
+
+    The conservative sum form over the fluid, and what the walls push the particles by,
+    :func:`debrisflow.physics.wall_push.wall_push_at`, which is written too, (n, 3) float64 array,
+    m/s2.
+    """
+    n = velocity.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _correct_before_surfaces(
+            first, last, dt, pressure, density, gravity, near, solid, velocity, push
+        )
 
 
 @kernel

@@ -38,7 +38,8 @@ from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.pairs import BLOCK, fluid_pair, weight
 from debrisflow.physics.concentration import SELF_WEIGHT
 from debrisflow.physics.drag import drag_coefficient, freedom
-from debrisflow.physics.operators import gradient_at
+from debrisflow.physics.operators import fluid_gradient_at, gradient_at
+from debrisflow.physics.wall_push import wall_push_at
 
 Floats = NDArray[np.float64]
 PLACES_WITHIN = 1.6  # spacings between particles that exchange places
@@ -109,6 +110,25 @@ def pressure_gradient(pressure, near, solid, gradient):
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
         _pressure_gradient(first, last, pressure, near, solid, gradient)
+
+
+@kernel
+def _pressure_gradient_before_surfaces(first, last, pressure, density, g, near, solid, gradient):
+    for i in range(first, last):
+        x, y, z = fluid_gradient_at(i, pressure, near)
+        a, b, c = wall_push_at(i, pressure, density[i], g, g[0], g[1], g[2], near, solid)
+        gradient[i, 0], gradient[i, 1], gradient[i, 2] = x - a, y - b, z - c
+
+
+@loop
+def pressure_gradient_before_surfaces(pressure, density, gravity, near, solid, gradient):
+    """Write the same before walls that are surfaces, in which the fluid is as at rest."""
+    n = gradient.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _pressure_gradient_before_surfaces(
+            first, last, pressure, density, gravity, near, solid, gradient
+        )
 
 
 @kernel

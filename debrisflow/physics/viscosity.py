@@ -6,7 +6,7 @@ from numba import prange
 
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.pairs import BLOCK, fluid_pair, laplacian_factor, weight
-from debrisflow.neighbors.wall_access import height_over, wall_pair, wall_velocity_difference
+from debrisflow.neighbors.wall_access import viscous_pull_at
 from debrisflow.physics.rheology import harmonic_mean
 from debrisflow.physics.turbulence import mixing_length, turbulent_viscosity
 
@@ -25,7 +25,7 @@ def viscous_force_at(i, velocity, viscosity, near, solid):
     velocity, viscosity : (n, 3), (n,) float64 array, m/s, Pa s
         Of fluid and supply.
     near : Near
-    solid : Solid
+    solid : Solid or Boundary
     """
     factor, mu_i = laplacian_factor(near), viscosity[i]
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
@@ -36,13 +36,9 @@ def viscous_force_at(i, velocity, viscosity, near, solid):
         x += f * (velocity[j, 0] - u)
         y += f * (velocity[j, 1] - v)
         z += f * (velocity[j, 2] - w)
-    for k in range(near.wall_count[i]):
-        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
-        height = height_over(dx, dy, dz, j, solid)
-        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, near)
-        f = factor * mu_i * weight(inverse, near)
-        x, y, z = x + f * du, y + f * dv, z + f * dw
-    return x, y, z
+    wall_x, wall_y, wall_z = viscous_pull_at(i, velocity, near, solid)
+    f = factor * mu_i
+    return x + f * wall_x, y + f * wall_y, z + f * wall_z
 
 
 @kernel

@@ -140,11 +140,12 @@ class RunFolder:
     def write_frame(self, state: State) -> None:
         """Write the particles as the next frame, and the maxima until then.
 
-        In three dimensions walls are written once, into a file of their own, as surfaces.
+        Walls are written once, into a file of their own, as surfaces; with the frames where they
+        are particles in two dimensions.
         """
         p = state.particles
         rows = slice(None)
-        if self.case.dimension == 3 and not (self.path / WALLS).exists():
+        if not (self.path / WALLS).exists():
             write_walls(self.path / WALLS, self.case)
         if self.case.dimension == 3:
             rows = slice(0, p.inflow.stop)

@@ -1,22 +1,27 @@
-"""The surfaces of the walls of three dimensions, for ParaView and pyvista."""
+"""The surfaces of the walls, for ParaView and pyvista."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.errors import OutputError
 from debrisflow.run.atomic import replaced
-from debrisflow.space.scene import scene_of
+from debrisflow.space.scene import scene_of, section_lines
+
+if TYPE_CHECKING:
+    import pyvista
 
 WALLS = "walls.vtp"
 OF_THE_SPACE = -1
 
 
 def write_walls(path: Path, case: ResolvedCase) -> None:
-    """Write floor, walls and obstacles as polygons, in a VTP file.
+    """Write floor, walls and obstacles as polygons, in two dimensions as lines, in a VTP file.
 
     The array ``obstacle`` is -1 for the walls of the space and counts the obstacles from 0, in the
     order of the case.
@@ -25,10 +30,38 @@ def write_walls(path: Path, case: ResolvedCase) -> None:
     ----------
     path : Path
     case : ResolvedCase
-        In three dimensions.
     """
-    import pyvista
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    mesh = _polygons(case) if case.dimension == 3 else _lines(case)
+    with replaced(path) as unfinished:
+        writer = vtkXMLPolyDataWriter()
+        writer.SetFileName(str(unfinished))
+        writer.SetInputData(mesh)
+        if not writer.Write():
+            raise OutputError(f"cannot write {path}: no space is left, or the folder is read-only")
+
+
+def _lines(case: ResolvedCase) -> pyvista.PolyData:
+    import pyvista
+
+    lines = section_lines(case)
+    corners = np.pad(np.concatenate(lines), ((0, 0), (0, 1)))
+    mesh = pyvista.PolyData(corners, lines=_cells([len(line) for line in lines]))
+    mesh.cell_data["obstacle"] = np.full(len(lines), OF_THE_SPACE, dtype=np.int32)
+    return mesh
+
+
+def _cells(sizes: list[int]) -> NDArray[np.int64]:
+    """Return cells as VTK lists them, the number of corners before these, of corners in a row."""
+    first = np.cumsum([0, *sizes[:-1]])
+    return np.concatenate(
+        [np.append(size, np.arange(size) + start) for size, start in zip(sizes, first, strict=True)]
+    )
+
+
+def _polygons(case: ResolvedCase) -> pyvista.PolyData:
+    import pyvista
 
     scene = scene_of(case, case.geometry.height)
     faces = [*scene.floor, *scene.behind, *scene.before]
@@ -37,16 +70,6 @@ def write_walls(path: Path, case: ResolvedCase) -> None:
         faces += list(body)
         number += [k] * len(body)
     corners = np.concatenate(faces)
-    sizes = [len(face) for face in faces]
-    first = np.cumsum([0, *sizes[:-1]])
-    cells = [
-        np.append(size, np.arange(size) + start) for size, start in zip(sizes, first, strict=True)
-    ]
-    mesh = pyvista.PolyData(corners, faces=np.concatenate(cells))
+    mesh = pyvista.PolyData(corners, faces=_cells([len(face) for face in faces]))
     mesh.cell_data["obstacle"] = np.array(number, dtype=np.int32)
-    with replaced(path) as unfinished:
-        writer = vtkXMLPolyDataWriter()
-        writer.SetFileName(str(unfinished))
-        writer.SetInputData(mesh)
-        if not writer.Write():
-            raise OutputError(f"cannot write {path}: no space is left, or the folder is read-only")
+    return mesh

@@ -1,4 +1,4 @@
-"""The records of the walls of three dimensions that kernels take."""
+"""The records of walls that are surfaces, as kernels take them."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.neighbors.boundary import PULLED_BACK
+from debrisflow.neighbors.boundary import Walls
 from debrisflow.neighbors.boxes import Boxes
 from debrisflow.neighbors.elements import Elements
+from debrisflow.neighbors.half_space import PULLED_BACK
 from debrisflow.neighbors.height_field import HeightField
 from debrisflow.neighbors.octant import octants
+from debrisflow.neighbors.quadrant import quadrants
 from debrisflow.neighbors.surfaces import Surfaces
-from debrisflow.schemes.wall_particles import slips
+from debrisflow.schemes.wall_particles import roughnesses, slips
 from debrisflow.space.bodies import Body, bodies_of
-from debrisflow.space.domain import domain
+from debrisflow.space.domain import WALL_NAMES, domain
 from debrisflow.space.mesh_pieces import area_vectors, pieces_of
 
 Floats = NDArray[np.float64]
@@ -23,20 +25,28 @@ TOUCHING = 1e-6  # spacings
 
 
 def surfaces_of(case: ResolvedCase, skin: float, ground: HeightField | None = None) -> Surfaces:
-    """Return the walls of a case in three dimensions, for lists with at most a skin, spacings.
+    """Return the walls of a case, for lists with at most a skin, spacings.
 
-    A ground lies over its floor.
+    In three dimensions a ground may lie over its floor.
     """
+    radius = case.particles.effective_radius
     return Surfaces(
         boxes=boxes_of(case),
-        table=octants(case.particles.effective_radius),
+        table=octants(radius) if case.dimension == 3 else quadrants(radius),
         spacing=case.particles.spacing,
-        slip=slips(case),
+        walls=_walls_of(case),
         elements=elements_from(*pieces_of(case, PULLED_BACK)),
         ground=ground,
         skin=skin,
         period=domain(case).period,
     )
+
+
+def _walls_of(case: ResolvedCase) -> Walls:
+    velocity = np.zeros((len(WALL_NAMES) + len(case.obstacle), 3))
+    for number, name in enumerate(WALL_NAMES):
+        velocity[number, :2] = getattr(case.walls, name).velocity
+    return Walls(slips(case), roughnesses(case), velocity)
 
 
 def boxes_of(case: ResolvedCase) -> Boxes:
@@ -47,7 +57,7 @@ def boxes_of(case: ResolvedCase) -> Boxes:
     number = np.empty(ends.shape, dtype=np.int64)
     for b, body in enumerate(bodies):
         number[b] = body.number if body.sides is None else body.sides
-        number[b, 2, 1] = body.number
+        number[b, body.up, 1] = body.number
     boxes = Boxes(
         origin=np.array([body.origin for body in bodies]),
         axes=np.array([body.axes for body in bodies]),
@@ -69,7 +79,7 @@ def _pull_back(boxes: Boxes, bodies: list[Body], case: ResolvedCase) -> None:
     Where two boxes touch there is no surface: the face of one follows that of the other.
     """
     d0 = case.particles.spacing
-    back = PULLED_BACK * d0
+    back = PULLED_BACK * d0 if case.dimension == 3 else 0.0
     covered = np.array(
         [
             [[_is_covered(b, axis, end, bodies, case) for end in (0, 1)] for axis in range(3)]

@@ -11,7 +11,7 @@ from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.boundary import Boundary
 from debrisflow.neighbors.height_field import HeightField
 from debrisflow.neighbors.lattice import Reference
-from debrisflow.neighbors.lists import Neighbors, group
+from debrisflow.neighbors.lists import SKIN, Neighbors, group
 from debrisflow.neighbors.pairs import Near, repeats_of
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.neighbors.wall_shares import share_drag
@@ -112,6 +112,7 @@ class ListAndSurfaces:
         self._lattice, self._period = lattice, domain.period
         self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
         self._surfaces = surfaces_of(case, GREATEST_SKIN, ground)
+        self._skin = SKIN
 
     def choose_skin(self, path: float) -> None:
         """Weigh building lists often against passing over many neighbors out of reach.

@@ -1,4 +1,4 @@
-"""The walls of three dimensions as boxes that touch but do not overlap (NumPy only)."""
+"""Walls as boxes that touch but do not overlap (NumPy only)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,20 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase, shapes
 from debrisflow.case.bodies import BoxObstacle, MeshObstacle
 from debrisflow.case.regions import surface_of
-from debrisflow.case.resolved import ResolvedChannel3D
+from debrisflow.case.resolved import ResolvedChannel, ResolvedChannel3D, ResolvedChannelShape
 from debrisflow.case.shapes import plain_of, runout_of
 from debrisflow.case.triangles import cells_inside
-from debrisflow.space.domain import BACK, BED, FLOOR, FRONT, LEFT, RIGHT, WALL_NAMES, domain
+from debrisflow.space.domain import (
+    BACK,
+    BED,
+    CEILING,
+    FLOOR,
+    FRONT,
+    LEFT,
+    RIGHT,
+    WALL_NAMES,
+    domain,
+)
 from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import runout_bend
 
@@ -39,6 +49,8 @@ class Body(NamedTuple):
     origin : (3,) sequence of float, m
     turn : float, rad
         By which its x axis rises above that of the space.
+    up : int
+        The axis that leads upward: z, or y in two dimensions.
     is_floor : bool
         See :class:`debrisflow.neighbors.boxes.Boxes`.
     """
@@ -50,13 +62,17 @@ class Body(NamedTuple):
     sides: int | None = None
     origin: tuple[float, ...] = (0.0, 0.0, 0.0)
     turn: float = 0.0
+    up: int = 2
     is_floor: bool = False
 
     @property
     def axes(self) -> Floats:
         """Unit vectors along the box, (3, 3), by rows."""
-        along, up = cos(self.turn), sin(self.turn)
-        return np.array([(along, 0.0, up), (0.0, 1.0, 0.0), (-up, 0.0, along)])
+        along, rise = cos(self.turn), sin(self.turn)
+        axes = np.eye(3)
+        axes[0, 0], axes[0, self.up] = along, rise
+        axes[self.up, 0], axes[self.up, self.up] = -rise, along
+        return axes
 
     def holds(self, places: Floats, slack: float = 0.0) -> NDArray[np.bool_]:
         """Return which places, (n, 3) array, m, lie in the box or within a slack, m, of it."""
@@ -84,10 +100,15 @@ def bodies_of(case: ResolvedCase) -> list[Body]:
     shape = case.geometry
     if isinstance(shape, ResolvedChannel3D):
         bodies = _channel(shape, case)
+    elif isinstance(shape, ResolvedChannel):
+        bodies = [*_section_of_channel(shape, ALL, case), *_around_supply(shape, ALL, case)]
     elif isinstance(shape, shapes.Tank3D):
         bodies = _tank(shape)
     else:
-        raise TypeError(f"a {shape.type} has no walls in three dimensions")
+        bodies = _section_of_tank(shape)
+    if case.dimension == 2:
+        # the section of the walls of three dimensions, of which z is the y of two
+        bodies = [body._replace(y=body.z, z=ALL, up=1) for body in bodies]
     return [*bodies, *_obstacles(case)]
 
 
@@ -107,15 +128,45 @@ def _tank(shape: shapes.Tank3D) -> list[Body]:
     return bodies
 
 
+def _section_of_tank(shape: shapes.Tank) -> list[Body]:
+    high = (0.0, shape.height)
+    bodies = [Body(ALL, ALL, (-inf, 0.0), FLOOR)]
+    if not shape.periodic:
+        bodies.append(Body((-inf, 0.0), ALL, high, LEFT))
+        bodies.append(Body((shape.width, inf), ALL, high, RIGHT))
+    if shape.ceiling:
+        bodies.append(Body(ALL, ALL, (shape.height, inf), CEILING))
+    return bodies
+
+
 def _channel(shape: ResolvedChannel3D, case: ResolvedCase) -> list[Body]:
     """Return floor, recess, weir, side walls and the wall around the supply of a channel.
 
     Between walls the floor ends at these, which reach down beside it; on a plain the walls stand on
     it.
     """
-    plain, runout = plain_of(shape), runout_of(shape)
-    within, down = (0.0, shape.width), (-inf, 0.0)
-    across = within if plain is None else ALL
+    plain, within = plain_of(shape), (0.0, shape.width)
+    bodies = _section_of_channel(shape, within if plain is None else ALL, case)
+    if plain is not None and shape.bed_thickness > 0.0:
+        bodies += [
+            Body(recess, aside, (-inf, 0.0), wall)
+            for recess in _recesses(shape)
+            for aside, wall in (((-inf, 0.0), FRONT), ((shape.width, inf), BACK))
+        ]
+    sides = ALL if plain is None else (-inf, plain.start)
+    high = (-inf if plain is None else 0.0, shape.height)
+    bodies += [
+        Body(sides, (-inf, 0.0), high, FRONT),
+        Body(sides, (shape.width, inf), high, BACK),
+    ]
+    return bodies + _around_supply(shape, within, case)
+
+
+def _section_of_channel(
+    shape: ResolvedChannelShape, across: Ends, case: ResolvedCase
+) -> list[Body]:
+    """Return the floor of a channel, its run-out and its weir."""
+    runout, down = runout_of(shape), (-inf, 0.0)
     bodies = _floor(shape, across)
     if runout is not None:
         # under the last of the floor before the bend too, but not under the recess
@@ -127,33 +178,24 @@ def _channel(shape: ResolvedChannel3D, case: ResolvedCase) -> list[Body]:
             Body((before, inf), across, down, FLOOR, origin=origin, turn=rising, is_floor=True)
         )
     if not shape.periodic and shape.weir_height > 0.0:
-        bodies.append(Body((shape.bed_end, inf), within, (0.0, shape.weir_height), RIGHT))
-    sides = ALL if plain is None else (-inf, plain.start)
-    high = (-inf if plain is None else 0.0, shape.height)
-    bodies += [
-        Body(sides, (-inf, 0.0), high, FRONT),
-        Body(sides, (shape.width, inf), high, BACK),
-    ]
-    if not shape.periodic:
-        bodies += _around_supply(shape, case)
+        bodies.append(Body((shape.bed_end, inf), across, (0.0, shape.weir_height), RIGHT))
     return bodies
 
 
-def _floor(shape: ResolvedChannel3D, across: Ends) -> list[Body]:
-    """Return the floor of a channel, with the recess under its bed and what is beside that."""
+def _recesses(shape: ResolvedChannelShape) -> list[Ends]:
+    """Return where along a channel its recess lies, with the images of one that repeats."""
+    shifts = (-shape.length, 0.0, shape.length) if shape.periodic else (0.0,)
+    return [(shape.bed_start + shift, shape.bed_end + shift) for shift in shifts]
+
+
+def _floor(shape: ResolvedChannelShape, across: Ends) -> list[Body]:
+    """Return the floor of a channel, with the recess under its bed."""
     deep, start, end = -shape.bed_thickness, shape.bed_start, shape.bed_end
     down = (-inf, 0.0)
     if deep == 0.0:
         return [Body(ALL, across, down, FLOOR, is_floor=True)]
-    bodies = []
-    for k in (-1, 0, 1) if shape.periodic else (0,):
-        recess = (start + k * shape.length, end + k * shape.length)
-        bodies.append(Body(recess, (0.0, shape.width), (-inf, deep), BED))
-        if across == ALL:
-            bodies += [
-                Body(recess, (-inf, 0.0), down, FRONT),
-                Body(recess, (shape.width, inf), down, BACK),
-            ]
+    inside = (0.0, shape.width) if isinstance(shape, ResolvedChannel3D) else ALL
+    bodies = [Body(recess, inside, (-inf, deep), BED) for recess in _recesses(shape)]
     lands = [(-inf, start), (end, inf)]
     if shape.periodic:
         lands = [(end + (k - 1) * shape.length, start + k * shape.length) for k in (0, 1)]
@@ -165,12 +207,19 @@ def _floor(shape: ResolvedChannel3D, across: Ends) -> list[Body]:
     return bodies
 
 
-def _around_supply(shape: ResolvedChannel3D, case: ResolvedCase) -> list[Body]:
+def _around_supply(shape: ResolvedChannelShape, across: Ends, case: ResolvedCase) -> list[Body]:
     """Return the wall at x = 0, with the opening of the supply in it, if there is one."""
+    if shape.periodic:
+        return []
     d0, opening = case.particles.spacing, inflow_section(case)
     before, top = (-inf, 0.0), opening.high * d0
-    bodies = [Body(before, (0.0, shape.width), (top, shape.height), LEFT)]
-    for aside in ((0.0, opening.first * d0), ((opening.first + opening.wide) * d0, shape.width)):
+    bodies = [Body(before, across, (top, shape.height), LEFT)]
+    if across == ALL:
+        return bodies
+    for aside in (
+        (across[0], opening.first * d0),
+        ((opening.first + opening.wide) * d0, across[1]),
+    ):
         if top > 0.0 and aside[1] - aside[0] > TOUCHING * d0:
             bodies.append(Body(before, aside, (0.0, top), LEFT))
     return bodies

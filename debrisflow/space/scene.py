@@ -1,4 +1,4 @@
-"""What stands around the flow in three dimensions: floor, walls and obstacles to be drawn."""
+"""What stands around the flow: floor, walls and obstacles to be drawn."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.regions import runout_rise, surface_of
-from debrisflow.case.shapes import ChannelShape, Tank3D, is_three_dimensional, plain_of
+from debrisflow.case.shapes import ChannelShape, Tank, Tank3D, is_three_dimensional, plain_of
+from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import floor_level
 
 Floats = NDArray[np.float64]
@@ -129,7 +130,23 @@ def closed_ends(case: ResolvedCase) -> list[float]:
     shape = case.geometry
     if isinstance(shape, Tank3D):
         return [0.0, shape.length]
-    return [] if shape.periodic else [0.0]
+    if shape.periodic:
+        return []
+    return [0.0, shape.width] if isinstance(shape, Tank) else [0.0]
+
+
+def section_lines(case: ResolvedCase) -> list[Floats]:
+    """Return the walls of a case in two dimensions as lines, each (n, 2) array, m.
+
+    The floor with its steps, the walls at the ends, that around a supply, and the ceiling.
+    """
+    shape, lines = case.geometry, [np.array(floor_profile(case))]
+    foot = inflow_section(case).high * case.particles.spacing
+    for x in closed_ends(case):
+        lines.append(np.array([(x, foot if x == 0.0 else 0.0), (x, shape.height)]))
+    if isinstance(shape, Tank) and shape.ceiling:
+        lines.append(np.array([(0.0, shape.height), (shape.width, shape.height)]))
+    return lines
 
 
 def head_walls(case: ResolvedCase) -> list[tuple[float, float, float]]:

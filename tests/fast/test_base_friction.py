@@ -96,13 +96,32 @@ def test_what_is_across_the_wall_stays_and_what_friction_holds_stands_still():
 def test_the_exchange_of_momentum_is_held_by_the_same_friction():
     law, solid = of_law(sliding=0.5, roughness=0.01), on_floor(0.2)
     velocity, reaction = 1.5 * ALONG[None], 10.0 * UP[None]
-    hold = np.empty((1, 6))
-    hold_along_walls(0.01, velocity, reaction, law, columns(1), SPACING, solid, hold)
+    hold, carried = np.empty((1, 6)), np.empty((1, 3))
+    hold_along_walls(0.01, velocity, reaction, law, columns(1), SPACING, solid, hold, carried)
+    assert not carried.any()
     _, sliding, drag = friction_at(0, 0, *velocity[0], 10.0, law, columns(1), SPACING, solid)
     matrix = hold[0][ENTRIES]
     slowed = 0.01 * (sliding + drag * 1.5**2)
     np.testing.assert_allclose(matrix @ velocity[0], slowed * ALONG, atol=1e-14)
     np.testing.assert_allclose(matrix @ UP, 0.0, atol=1e-14)
+
+
+def test_a_moving_wall_carries_along_what_it_holds():
+    law, solid = of_law(sliding=0.5, roughness=0.01), on_floor(0.2)
+    moving = solid._replace(velocity=solid.velocity + 0.7 * ALONG)
+    velocity, reaction = 1.5 * ALONG[None], 10.0 * UP[None]
+    hold, carried, still = np.empty((1, 6)), np.empty((1, 3)), np.empty((1, 6))
+    hold_along_walls(0.01, velocity, reaction, law, columns(1), SPACING, moving, hold, carried)
+    hold_along_walls(
+        0.01, velocity - 0.7 * ALONG, reaction, law, columns(1), SPACING, solid, still, carried * 0
+    )
+    np.testing.assert_allclose(hold, still, rtol=1e-12)
+    np.testing.assert_allclose(carried[0], 0.7 * hold[0][ENTRIES] @ ALONG, atol=1e-14)
+    after = velocity.copy()
+    slow_along_walls(0.01, reaction, law, columns(1), SPACING, moving, after)
+    relative = velocity - 0.7 * ALONG
+    slow_along_walls(0.01, reaction, law, columns(1), SPACING, solid, relative)
+    np.testing.assert_allclose(after, relative + 0.7 * ALONG, atol=1e-14)
 
 
 def test_in_a_corner_each_wall_holds_what_presses_on_it():
@@ -112,8 +131,8 @@ def test_in_a_corner_each_wall_holds_what_presses_on_it():
     velocity, reaction = np.array([[2.0, 0.0, 0.0]]), np.array([[0.0, 3.0, 10.0]])
     slow_along_walls(0.1, reaction, law, columns(1), SPACING, solid, velocity)
     np.testing.assert_allclose(velocity, [[2.0 - 0.1 * (5.0 + 0.6), 0.0, 0.0]], atol=1e-14)
-    hold = np.empty((1, 6))
-    hold_along_walls(0.1, velocity, reaction, law, columns(1), SPACING, solid, hold)
+    hold, carried = np.empty((1, 6)), np.empty((1, 3))
+    hold_along_walls(0.1, velocity, reaction, law, columns(1), SPACING, solid, hold, carried)
     held = hold[0][ENTRIES] @ velocity[0]
     np.testing.assert_allclose(held, [0.1 * (5.0 + 0.6), 0.0, 0.0], atol=1e-14)
 

@@ -104,7 +104,7 @@ def box_integrals(lower, upper, points=48):
 def sums_of(lower, upper):
     """Return the sums of a box about the origin, in spacings."""
     total = np.empty(SUMS)
-    box_sums(np.array(lower, dtype=float), np.array(upper, dtype=float), octants(RADIUS), total)
+    box_sums(np.array(lower, dtype=float), np.array(upper, dtype=float), total, octants(RADIUS))
     return total
 
 

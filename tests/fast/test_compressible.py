@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from debrisflow.neighbors import lattice
-from debrisflow.neighbors.boundary import LEAST_HEIGHT, PULLED_BACK, STRETCH, wall_sums_at
-from debrisflow.neighbors.half_space import lever_beyond, push_beyond
+from debrisflow.neighbors.boundary import LEAST_HEIGHT, wall_sums_at
+from debrisflow.neighbors.half_space import PULLED_BACK, STRETCH, lever_beyond, push_beyond
 from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.pairs import weight
-from debrisflow.physics import compressible
+from debrisflow.physics import compressible, wall_push
 from tests.building import (
     NOWHERE,
     RADII,
@@ -206,10 +206,10 @@ def pushes(position, fluid, solid, period, numbers):
     for i in np.flatnonzero(push.any(axis=1)):
         f = w[i] / d[i] ** 2
         matrix = np.einsum("j,jk,jl->kl", f, r[i], r[i])
-        matrix += compressible.LEAST_MOMENT * third * np.eye(3)
+        matrix += wall_push.LEAST_MOMENT * third * np.eye(3)
         right = (f * (p - p[i])) @ r[i]
         for normal in solid.normal[solid.row[i], : solid.faces[solid.row[i]]]:
-            across = compressible.STIFF_ACROSS * third * normal
+            across = wall_push.STIFF_ACROSS * third * normal
             matrix += np.outer(across, normal)
             right += across * rho[i] * (numbers.gravity @ normal)
         toward = 2.0 * p[i] * push[i] + spread[i] @ np.linalg.solve(matrix, right)

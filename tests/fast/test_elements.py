@@ -6,11 +6,11 @@ import pytest
 import pyvista
 
 from debrisflow.neighbors.boundary import (
-    PULLED_BACK,
     face_at,
     face_count,
     wall_sums_at,
 )
+from debrisflow.neighbors.half_space import PULLED_BACK
 from debrisflow.neighbors.lattice import reference
 from debrisflow.schemes.surfaces import elements_from, surfaces_of
 from debrisflow.space.domain import wall_names

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from debrisflow._jit import set_threads
-from debrisflow.neighbors.boundary import LEAST_HEIGHT, PULLED_BACK, STRETCH
-from debrisflow.neighbors.half_space import push_beyond
+from debrisflow.neighbors.boundary import LEAST_HEIGHT
+from debrisflow.neighbors.half_space import PULLED_BACK, STRETCH, push_beyond
 from debrisflow.neighbors.lattice import reference
 from debrisflow.physics import images
 from debrisflow.physics.momentum_exchange import Flow, couple_momentum, resist, wall_drag_at

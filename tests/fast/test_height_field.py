@@ -5,7 +5,8 @@ import pytest
 from scipy.integrate import quad
 
 from debrisflow.neighbors import half_space
-from debrisflow.neighbors.boundary import PULLED_BACK, STRETCH, wall_sums_at
+from debrisflow.neighbors.boundary import wall_sums_at
+from debrisflow.neighbors.half_space import PULLED_BACK, STRETCH
 from debrisflow.neighbors.height_field import foot_on, ground_at, height_field, levels_at
 from debrisflow.neighbors.lattice import reference
 from tests.building import Plane, boxes_from, felt, planes

@@ -7,6 +7,7 @@ from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.wall_access import height_over, wall_pair, wall_velocity_difference
 from debrisflow.physics import pressure
 from debrisflow.physics.collision_stress import collision_acceleration
+from debrisflow.physics.free_surface import FreeSurface
 from debrisflow.physics.operators import (
     gradient_at,
     number_density,
@@ -136,9 +137,9 @@ def assembled(near, velocity, density, interface, rate=0.0):
         density,
         near,
         NOTHING,
-        pressure.FreeSurface(lower=-1.0, upper=-1.0, asymmetry=np.inf),
+        FreeSurface(lower=-1.0, upper=-1.0, asymmetry=np.inf),
         interface,
-        pressure.Source(dt=1.0, density_rate=rate, disorder=0.0),
+        pressure.Source(1.0, rate, disorder=0.0, consistency=1.0, fall=np.zeros(3)),
         system,
         np.empty(m),
         np.empty(m, dtype=bool),

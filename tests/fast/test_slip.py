@@ -30,6 +30,7 @@ from tests.building import (
 )
 
 ROCK, WATER = 2650.0, 1000.0
+GRAVITY = np.array([0.0, -9.81, 0.0])
 SIDE = 12
 
 
@@ -121,7 +122,7 @@ def test_drag_brings_the_phases_to_a_common_velocity_at_the_analytic_rate(dt, la
     velocity = np.where(is_rock[:, None], *start)
     p.relative_velocity[:] = start[0] - start[1]
     before = p.density @ velocity
-    phases = Slip(law)
+    phases = Slip(law, GRAVITY)
     step = acted(phases, observed(phases, p, near), dt, velocity)
     carry_over(phases, step)
     rate = analytic_rate(phases.surroundings.concentration, np.hypot(0.8, 0.3), law)
@@ -146,7 +147,7 @@ def test_drag_at_rest_decays_exponentially_as_the_step_vanishes():
     is_rock = p.sediment_fraction > 0
     velocity = np.where(is_rock[:, None], [1e-9, 0.0, 0.0], 0.0)
     p.relative_velocity[:, 0] = 1e-9
-    phases = Slip(law)
+    phases = Slip(law, GRAVITY)
     scene = observed(phases, p, near)
     rate = analytic_rate(phases.surroundings.concentration, 0.0, law)
     end, steps = 2.0 / rate.max(), 2000
@@ -161,7 +162,7 @@ def test_drag_at_rest_decays_exponentially_as_the_step_vanishes():
 @pytest.mark.parametrize(("dimension", "radius"), RADII)
 def test_drag_gives_the_water_what_it_takes_from_the_grains(dimension, radius, rng):
     p, near = random_mix(dimension, radius, rng)
-    phases = Slip(WEN_YU)
+    phases = Slip(WEN_YU, GRAVITY)
     velocity = of_phases(phases, acted(phases, observed(phases, p, near), 1e-3))
     given = p.density @ np.abs(velocity)
     assert given[:dimension].min() > 0.0
@@ -170,7 +171,7 @@ def test_drag_gives_the_water_what_it_takes_from_the_grains(dimension, radius, r
 
 def test_without_slip_there_is_no_drag_and_without_two_phases_no_slip(rng):
     p, near = random_mix(2, 3.1, rng)
-    phases = Slip(WEN_YU)
+    phases = Slip(WEN_YU, GRAVITY)
     p.relative_velocity[:] = 0.0
     step = acted(phases, observed(phases, p, near), 1e-3)
     assert not step.velocity.any()
@@ -186,7 +187,7 @@ def test_without_slip_there_is_no_drag_and_without_two_phases_no_slip(rng):
 def test_the_slip_carries_no_volume():
     p, near = checkerboard()
     p.relative_velocity[:, 1] = -0.3
-    phases = Slip(WEN_YU)
+    phases = Slip(WEN_YU, GRAVITY)
     scene = observed(phases, p, near)
     is_rock = p.sediment_fraction > 0
     assert np.all(phases.velocity[is_rock, 1] < -0.14)
@@ -220,7 +221,7 @@ def test_rest_is_the_balance_of_drag_and_buoyant_weight():
     # a given pressure gradient rho_m g on the periodic lattice, up to the jump at its seam
     p, near = checkerboard()
     law = WEN_YU._replace(packing_limit=0.6)
-    phases = Slip(law)
+    phases = Slip(law, GRAVITY)
     p.pressure[:] = 0.5 * (ROCK + WATER) * 9.81 * (SIDE - p.position[:, 1])
     middle = np.abs(p.position[:, 1] - 0.5 * SIDE) < 1.0
     for _ in range(3000):
@@ -240,7 +241,7 @@ def test_packed_grains_hardly_slip():
     for law in (free, packed):
         p.relative_velocity[:] = 0.0
         p.pressure[:] = 1825.0 * 9.81 * (SIDE - p.position[:, 1])
-        phases = Slip(law)
+        phases = Slip(law, GRAVITY)
         for _ in range(500):
             carry_over(phases, acted(phases, observed(phases, p, near), 1e-3))
         speeds.append(-np.median(p.relative_velocity[:, 1]))
@@ -251,7 +252,7 @@ def test_packed_grains_hardly_slip():
 def test_collisions_of_grains_move_them_against_the_water():
     p, near = checkerboard()
     collisions = np.where(p.sediment_fraction[:, None] > 0, [50.0, 0.0, 0.0], 0.0)
-    phases = Slip(WEN_YU._replace(packing_limit=0.6))
+    phases = Slip(WEN_YU._replace(packing_limit=0.6), GRAVITY)
     step = acted(phases, observed(phases, p, near), 1e-6, collisions=collisions)
     assert not p.relative_velocity.any()  # nothing is done before the step is
     carry_over(phases, step)
@@ -328,7 +329,7 @@ def test_an_exchange_moves_the_matter_and_keeps_sums_and_places(rng):
     p.velocity[:] = rng.normal(size=(300, 3))
     p.owed_displacement[:, 1] = np.where(p.sediment_fraction > 0, -1.0, 0.3) / np.sqrt(300)
     before = {name: value.copy() for name, value in p.arrays().items()}
-    phases = Slip(WEN_YU._replace(packing_limit=0.9))
+    phases = Slip(WEN_YU._replace(packing_limit=0.9), GRAVITY)
     scene = observed(phases, p, near)
     phases.move(Step(scene, 1e-9, p.velocity, p.pressure))
     moved = p.id != before["id"]

@@ -131,7 +131,7 @@ def test_number_density(patch):
     fluid, numbers = fluid_of(COUNT), numbers_of(patch.lattice)
     ratio = each(density_rate_at, fluid, patch.two, NO_WALLS, numbers)[:, 0]
     assert_alike(ratio * patch.lattice.number_density, found)
-    sums = each(source_sums_at, patch.velocity, patch.one, NOTHING)
+    sums = each(source_sums_at, patch.velocity, np.zeros(3), patch.one, NOTHING)
     assert_alike(sums[:, 0], found)
 
 
@@ -141,7 +141,7 @@ def test_divergence(patch):
     along = np.sum(patch.differences * r, axis=2)
     r_e, n0 = patch.lattice.effective_radius, patch.lattice.number_density
     higher_order = (along * np.where(w > 0.0, r_e / d**3, 0.0)).sum(axis=1)
-    found = each(source_sums_at, patch.velocity, patch.one, NOTHING)[:, 2]
+    found = each(source_sums_at, patch.velocity, np.zeros(3), patch.one, NOTHING)[:, 2]
     assert_alike(found, higher_order)
     fluid = fluid_of(COUNT, velocity=patch.velocity)
     numbers = numbers_of(patch.lattice, diffusion=0.0)

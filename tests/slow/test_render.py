@@ -19,7 +19,13 @@ from debrisflow.particles.state import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.pictures import offscreen
 from debrisflow.results.pictures.coloring import KIND_COLORS, channels, scale_of
-from debrisflow.results.pictures.panels import PlanPanels, SidePanels, over_grid, straightened
+from debrisflow.results.pictures.panels import (
+    SOLID,
+    PlanPanels,
+    SidePanels,
+    over_grid,
+    straightened,
+)
 from debrisflow.results.pictures.render import DOTS, render
 from debrisflow.results.pictures.sheet import CENTIMETERS_PER_INCH, WIDTH
 from debrisflow.results.pictures.views import Camera, PerspectiveView, SectionView, Tiles, Window
@@ -178,9 +184,10 @@ def test_two_dimensions_give_a_page_and_an_animation_of_every_frame(run):
     assert image.shape[1] == pytest.approx(WIDTH / CENTIMETERS_PER_INCH * DOTS, abs=1)
     inked = {
         kind: np.all(image == channels(KIND_COLORS[kind]), axis=2).sum()
-        for kind in (Kind.LIQUID, Kind.SEDIMENT, Kind.WALL)
+        for kind in (Kind.LIQUID, Kind.SEDIMENT)
     }
     assert min(inked.values()) > 1000
+    assert np.all(image == channels(SOLID), axis=2).sum() > 1000  # the floor
     # as much water as sediment, but for the swatches of the legend, which are alike
     assert inked[Kind.LIQUID] == pytest.approx(inked[Kind.SEDIMENT], rel=0.1)
     with Image.open(animation) as frames:

@@ -23,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 REFERENCE = Path(__file__).parent / "reference"
 WIDTH = 0.05715
 GRAVITY = 9.81
+SMOOTH = ("walls.floor.slip=free-slip", "walls.floor.roughness=0.0")
 
 
 def reference_table(name: str) -> Floats:
@@ -137,3 +138,10 @@ def run(across: int, end: float = 0.19, overrides: tuple[str, ...] = ()) -> DamB
         series.append((state.time, reach, height, energy(case, state)))
     time, x, y, total = np.array(series).T
     return DamBreak(time, x, y, total / total[0], state)
+
+
+def lost_before_impact(across: int) -> float:
+    """Return the share of its energy that the dam break over a smooth floor loses until Z = 4."""
+    found = run(across, overrides=SMOOTH)
+    there = int(np.argmax(found.front >= 4.0 * WIDTH))
+    return float(1.0 - found.energy[there] / found.energy[0])

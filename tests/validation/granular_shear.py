@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
+from debrisflow.neighbors.boundary import face_at, face_count
 from debrisflow.neighbors.pairs import fluid_pair
-from debrisflow.neighbors.wall_access import wall_pair
 from debrisflow.particles.state import State, initial_state
 from debrisflow.physics.collision_stress import collision_force_at
 from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, radial_distribution
@@ -117,28 +117,26 @@ def virial(
     Laplacian the viscous stress is ``mu grad u``, not its symmetric part.
     """
     near, solid = scene.near, scene.solid
-    assert near.wall_start is not None
     fraction = scene.particles.sediment_fraction[scene.particles.moving]
     rows = near.fluid_count.size
-    lone, one, none = (
-        np.zeros((rows, 1), np.int32),
-        np.ones(rows, np.int32),
-        np.zeros(rows, np.int32),
-    )
-    in_fluid = near._replace(neighbors=lone, fluid_count=one, wall_count=none)
-    at_wall = near._replace(wall=lone, wall_start=none, fluid_count=none, wall_count=one)
+    lone, one = np.zeros((rows, 1), np.int32), np.ones(rows, np.int32)
+    alone = near._replace(neighbors=lone, fluid_count=one)
+    at_wall = near._replace(fluid_count=np.zeros(rows, np.int32))
     shear, normal = [], []
     for i in np.flatnonzero(chosen):
         found = np.zeros((2, 2))
-        for k in range(near.fluid_count[i] + near.wall_count[i]):
+        for k in range(near.fluid_count[i]):
             lone[i, 0] = near.neighbors[i, k]
-            is_fluid = k < near.fluid_count[i]
-            alone = in_fluid if is_fluid else at_wall
             force = collision_force_at(
                 i, scene.velocity, fraction, collisions.pressure, collisions.viscosity, alone, solid
             )
-            _, dx, dy, *_ = fluid_pair(i, 0, alone) if is_fluid else wall_pair(i, 0, alone, solid)
+            _, dx, dy, *_ = fluid_pair(i, 0, alone)
             found += 0.5 * np.outer(force[:2], (dx, dy))
+        if face_count(i, solid) > 0:
+            height, nx, ny, *_ = face_at(i, 0, solid)
+            grains = collisions.pressure, collisions.viscosity
+            force = collision_force_at(i, scene.velocity, fraction, *grains, at_wall, solid)
+            found -= np.outer(force[:2], (height * nx, height * ny))
         shear.append(found[0, 1])
         normal.append(-0.5 * np.trace(found))
     return float(np.mean(shear)), float(np.mean(normal))

@@ -14,7 +14,7 @@ import numpy as np
 from debrisflow.case import load_case
 from debrisflow.particles.record import Kind
 from debrisflow.particles.state import initial_state
-from debrisflow.schemes.semi_implicit import SemiImplicit
+from debrisflow.schemes.choice import scheme_of
 
 CASES = Path(__file__).parents[2] / "cases"
 GRAVITY = 9.81
@@ -39,7 +39,7 @@ class Still:
 def run(name: str, overrides: tuple[str, ...] = (), end: float = 2.0) -> Still:
     """Run a shipped still tank of 0.2 m and measure it."""
     case = load_case(CASES / f"{name}.toml", [f"time.end={end}", *overrides])
-    scheme, state = SemiImplicit(case), initial_state(case)
+    scheme, state = scheme_of(case), initial_state(case)
     p = state.particles
     start = p.position[p.fluid, 1].mean()
     heavy = p.kind[p.fluid] == Kind.SEDIMENT
@@ -60,9 +60,9 @@ def run(name: str, overrides: tuple[str, ...] = (), end: float = 2.0) -> Still:
         if state.time > 0.5 * end and state.step % 5 == 0:
             y, pressure = p.position[p.fluid, 1], p.pressure[p.fluid]
             errors.append(np.mean(((pressure - exact(y)) / at_floor) ** 2))
-            floor = (p.kind == Kind.WALL) & (p.position[:, 1] < 0)
-            inside = (p.position[:, 0] > 0) & (p.position[:, 0] < HEIGHT)
-            floors.append(p.pressure[floor & inside].mean() / at_floor)
+            lowest = y < case.particles.spacing
+            on_floor = pressure[lowest] + lower_density * GRAVITY * y[lowest]
+            floors.append(on_floor.mean() / at_floor)
             profile.append(np.column_stack([y, pressure]))
     y, pressure = np.concatenate(profile).T
     margin = 4 * case.particles.spacing

@@ -37,6 +37,7 @@ from debrisflow.space.scene import (
     head_walls,
     obstacle_faces,
     scene_of,
+    section_lines,
 )
 
 Floats = NDArray[np.float64]
@@ -174,13 +175,17 @@ class SidePanels:
         axes.set_ylabel(word, fontsize=SMALL, labelpad=2)
         if self.bend is not None:
             axes.axvline(self.bend, color=LINE, linewidth=0.7, linestyle=":")
-        if up == 2:
+        if not solid.any():
             self._draw_surroundings(axes)
 
     def _draw_surroundings(self, axes: Axes) -> None:
         x, level = straight_profile(self.case).T
         axes.plot(x, level, color=LINE, linewidth=0.9)
         axes.fill_between(x, level, self.window.bottom, color=SOLID, linewidth=0.0)
+        if self.case.dimension == 2:
+            for line in section_lines(self.case)[1:]:
+                axes.plot(*line.T, color=LINE, linewidth=0.9, scaley=False)
+            return
         for x in closed_ends(self.case):
             axes.plot([x, x], [0.0, self.window.top], color=LINE, linewidth=0.9)
         faces = []

@@ -20,7 +20,7 @@ IMPULSE, SAMPLED, TIME = slice(0, 6), slice(6, 12), 12  # in the running sum
 class WallForce(Sampler):
     """Force and moment on a whole wall, the means over the steps since the sample before.
 
-    In three dimensions what the wall does to the fluid, in two the pressure on its faces.  The
+    What the wall does to the fluid; where walls are particles, the pressure on its faces.  The
     running sum holds the impulses of force and moment since t = 0, these at the last sample, and
     its time.
     """
@@ -44,14 +44,13 @@ class WallForce(Sampler):
     def columns(dimension: int) -> tuple[Column, ...]:
         """Return the components of force, moment and impulse."""
         if dimension == 2:
-            axes, turning = "xy", "z"
-            push, about = "of the pressure on the wall", "counterclockwise about the given point"
-            width = "per meter of width"
+            axes, turning, at_start = "xy", "z", "0"
+            about, width = "counterclockwise about the given point", "per meter of width"
         else:
             axes = turning = "xyz"
-            push = "of all that the fluid does to the wall: pressure, shear, friction, collisions"
-            about, width = "about the given point", ""
-        push += "; mean since the row before, in the first row that at rest"
+            at_start, about, width = "that at rest", "about the given point", ""
+        push = "of all that the fluid does to the wall: pressure, shear, friction, contact"
+        push += f"; mean since the row before, in the first row {at_start}"
         impulse = "of that force since t = 0, summed over all steps"
         return (
             *(Column(f"force_{axis}", "N", push, width) for axis in axes),
@@ -75,6 +74,8 @@ class WallForce(Sampler):
 
     def _push(self, state: State) -> Floats:
         """Return the three components of the force, N, and of its moment, N m."""
+        if len(state.wall_force) == 0 and self._case.has_surfaces:
+            return np.zeros(6)  # before the first step in two dimensions
         if self._case.has_surfaces:
             push, moment = np.split(state.wall_force[self._number], 2)
             return np.concatenate([push, moment - np.cross(self._about, push)])

@@ -46,9 +46,9 @@ class BaseFrictions(Term):
     name = "base friction"
 
     def __init__(self, case: ResolvedCase, *, is_implicit: bool) -> None:
-        self._is_implicit, self._grid = is_implicit, _grid_of(case)
-        self.friction = friction_of(case)
-        self._by_depth = bool(np.any(self.friction.manning) or np.any(self.friction.turbulent))
+        self._is_implicit, self.friction = is_implicit, friction_of(case)
+        by_depth = np.any(self.friction.manning) or np.any(self.friction.turbulent)
+        self._grid = _grid_of(case) if by_depth else None
 
     def act(self, step: Step) -> None:
         """Slow the fluid particles next to walls, unless the exchange of momentum does."""
@@ -67,14 +67,14 @@ class BaseFrictions(Term):
             )
             step.reaction += (velocity - before) / step.dt
 
-    def hold(self, step: Step, velocity: Floats) -> Floats:
-        """Return what holds the particles along walls, (n, 6) array.
+    def hold(self, step: Step, velocity: Floats) -> tuple[Floats, Floats]:
+        """Return what holds the particles along walls, (n, 6) array, and carries them, (n, 3).
 
         See :func:`debrisflow.physics.base_friction.hold_along_walls`.  ``velocity`` is that at
         which the friction is asked for.
         """
         p, scene, rows = step.particles, step.scene, step.particles.moving.stop
-        hold = np.zeros((rows, 6))
+        hold, carried = np.zeros((rows, 6)), np.zeros((rows, 3))
         fluid = velocity[p.fluid]
         hold_along_walls(
             step.dt,
@@ -85,13 +85,14 @@ class BaseFrictions(Term):
             scene.near.spacing,
             scene.solid,
             hold[p.fluid],
+            carried[p.fluid],
         )
-        return hold
+        return hold, carried
 
     def _columns(self, step: Step, velocity: Floats) -> Columns:
         p, scene = step.particles, step.scene
         columns = Columns(*np.ones((3, p.fluid_count)))
-        if not self._by_depth or p.fluid_count == 0:
+        if self._grid is None or p.fluid_count == 0:
             return columns
         survey_columns(
             p.position[p.fluid],
@@ -136,7 +137,8 @@ def friction_of(case: ResolvedCase) -> BaseFriction:
     found = BaseFriction(*np.zeros((4, count)))
     g = float(np.hypot(*case.gravity.components))
     for number, name in enumerate(WALL_NAMES):
-        table = getattr(case.walls, name).friction
+        wall = getattr(case.walls, name)
+        table, found.roughness[number] = wall.friction, wall.roughness
         if isinstance(table, LogFriction):
             found.roughness[number] = table.roughness
         elif isinstance(table, ManningFriction):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.physics.contact import collide, hold_off_walls
+from debrisflow.physics.contact import bounce_off_walls, collide, hold_off_walls
 from debrisflow.schemes.terms.term import Step, Term
 
 
@@ -37,6 +37,30 @@ class Contact(Term):
             collided[step.particles.fluid],
         )
         step.velocity = collided
+
+
+class WallBounce(Term):
+    """What has come too near to a wall as a surface and approaches it bounces off.
+
+    Parameters
+    ----------
+    reach : float, m
+        Nearer than which a particle bounces.
+    restitution : float
+    """
+
+    name = "contact"
+
+    def __init__(self, reach: float, restitution: float) -> None:
+        self._reach, self._restitution = reach, restitution
+
+    def act(self, step: Step) -> None:
+        """Change the velocities of the fluid particles by their bounces."""
+        p = step.particles
+        before = step.velocity[p.fluid].copy()
+        solid, velocity = step.scene.solid, step.velocity[p.fluid]
+        bounce_off_walls(self._reach, self._restitution, solid, velocity)
+        step.reaction = (velocity - before) / step.dt
 
 
 class WallContact(Term):

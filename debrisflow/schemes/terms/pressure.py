@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from debrisflow.case.resolved import ResolvedScheme
 from debrisflow.errors import NotConvergedError
 from debrisflow.physics import pressure
+from debrisflow.physics.free_surface import FreeSurface
+from debrisflow.physics.virtual_air import VirtualAir
 from debrisflow.schemes.linear import Solver, remove_mean
 from debrisflow.schemes.system import SystemRoom
 from debrisflow.schemes.terms.term import Step, Term
+
+Floats = NDArray[np.float64]
 
 
 class PressureEquation(Term):
@@ -19,11 +24,19 @@ class PressureEquation(Term):
     ----------
     scheme : ResolvedScheme
     dimension : int
+    surface : FreeSurface or VirtualAir
+    gravity : (3,) float64 array, m/s2
     """
 
     name = "pressure equation"
 
-    def __init__(self, scheme: ResolvedScheme, dimension: int) -> None:
+    def __init__(
+        self,
+        scheme: ResolvedScheme,
+        dimension: int,
+        surface: FreeSurface | VirtualAir,
+        gravity: Floats,
+    ) -> None:
         self._room = SystemRoom()
         is_symmetric = scheme.interface == "symmetric"
         self._interface = (
@@ -31,11 +44,9 @@ class PressureEquation(Term):
             if is_symmetric
             else pressure.study_interface(dimension)
         )
-        self.surface = (
-            pressure.FreeSurface(lower=0.8, upper=0.97, asymmetry=0.1)
-            if scheme.free_surface == "asymmetry"
-            else pressure.FreeSurface(lower=0.97, upper=0.97, asymmetry=np.inf)
-        )
+        self.surface, self._gravity = surface, gravity
+        has_air = isinstance(surface, VirtualAir)
+        self._consistency = pressure.higher_order_factor(dimension) / 2.0 if has_air else 1.0
         self._density_rate = 1.0 / scheme.density_relaxation if scheme.density_relaxation else 0.0
         self._disorder = pressure.DISORDER if scheme.gradient == "sum" else 0.0
         self.solver = Solver(scheme.tolerance, is_symmetric)
@@ -55,12 +66,18 @@ class PressureEquation(Term):
             scene.solid,
             self.surface,
             self._interface,
-            pressure.Source(step.dt, self._density_rate, self._disorder),
+            pressure.Source(
+                step.dt,
+                self._density_rate,
+                self._disorder,
+                self._consistency,
+                step.dt * self._gravity,
+            ),
             system,
             p.number_density[:m],
             p.on_free_surface[:m],
         )
-        has_no_surface = remove_mean(system)
+        has_no_surface = not p.on_free_surface[:m].any() and remove_mean(system)
         step.iterations = self.solver.solve(system, step.pressure)
         if step.iterations < 0:
             raise NotConvergedError("the pressure equation")
@@ -100,3 +117,33 @@ class PressureGradient(Term):
             scene.solid,
             step.velocity[p.fluid],
         )
+
+
+class PressurePush(Term):
+    """``u - dt grad p / rho``, the sum form, before walls that are surfaces.
+
+    Parameters
+    ----------
+    gravity : (3,) float64 array, m/s2
+    """
+
+    name = "pressure gradient"
+
+    def __init__(self, gravity: Floats) -> None:
+        self._gravity = gravity
+
+    def act(self, step: Step) -> None:
+        """Subtract the pressure gradient from the velocity of the fluid particles."""
+        scene, p = step.scene, step.particles
+        step.push = np.empty((p.fluid_count, 3))
+        pressure.correct_before_surfaces(
+            step.dt,
+            step.pressure,
+            p.density,
+            self._gravity,
+            scene.near,
+            scene.solid,
+            step.velocity[p.fluid],
+            step.push,
+        )
+        step.reaction += step.push

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.neighbors.boundary import Boundary
 from debrisflow.physics.drag import DragLaw
 from debrisflow.physics.slip import (
     MOST_OWED,
@@ -13,6 +14,7 @@ from debrisflow.physics.slip import (
     drag_phases,
     pair_up,
     pressure_gradient,
+    pressure_gradient_before_surfaces,
     survey_surroundings,
 )
 from debrisflow.schemes.terms.term import Scene, Step, Term
@@ -28,6 +30,7 @@ class Slip(Term):
     Parameters
     ----------
     drag : DragLaw
+    gravity : (3,) float64 array, m/s2
 
     Attributes
     ----------
@@ -38,8 +41,8 @@ class Slip(Term):
 
     name = "slip"
 
-    def __init__(self, drag: DragLaw) -> None:
-        self._drag = drag
+    def __init__(self, drag: DragLaw, gravity: Floats) -> None:
+        self._drag, self._gravity = drag, gravity
         self.velocity = np.zeros((0, 3))
 
     def observe(self, scene: Scene) -> None:
@@ -74,7 +77,13 @@ class Slip(Term):
         gradient, force = np.empty((2, p.fluid_count, 3))
         fraction = p.sediment_fraction
         self._relative = p.relative_velocity[p.fluid].copy()
-        pressure_gradient(p.pressure, scene.near, scene.solid, gradient)
+        near, solid = scene.near, scene.solid
+        if isinstance(solid, Boundary):
+            pressure_gradient_before_surfaces(
+                p.pressure, p.density, self._gravity, near, solid, gradient
+            )
+        else:
+            pressure_gradient(p.pressure, near, solid, gradient)
         advance(
             step.dt,
             gradient,

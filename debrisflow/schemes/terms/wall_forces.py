@@ -22,7 +22,7 @@ class WallForces(Term):
             raise TypeError("only walls that are surfaces keep their reaction")
         partial = room_for_forces(p.fluid_count, scene.solid)
         wall_forces(
-            scene.near.spacing**3,
+            scene.near.spacing**scene.near.dimension,
             p.density[p.fluid],
             step.push,
             step.reaction,
