@@ -332,7 +332,7 @@ def walls_with_friction(walls: Walls, geometry: Geometry) -> Problems:
             continue
         key, law = f"walls.{name}.friction", wall.friction.law
         if not is_three_dimensional(geometry):
-            message = "exists only in three dimensions; in two a floor has slip and roughness"
+            message = "exists only in three dimensions; in two a wall has slip and roughness"
             yield Problem(f"{key}.law", message, law)
         elif law in BY_COLUMN and name not in ("floor", "bed"):
             message = "takes the mean of a column, and so is for a floor; use 'log' or 'coulomb'"

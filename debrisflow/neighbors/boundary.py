@@ -193,7 +193,7 @@ def wall_density_at(i, near, solid):
 
 @kernel
 def wall_source_at(i, u, v, w, fall, near, solid):
-    """Return what the walls of particle i add to the sums of the pressure equation.
+    """Return what the walls of particle i add to the sums of the pressure equation, in 2D.
 
     See :func:`debrisflow.neighbors.wall_access.wall_source_at`.  In the wall the pressure is
 
@@ -259,6 +259,12 @@ def viscous_pull_at(i, velocity, near, solid):
         y -= drag * (dv - across * ny)
         z -= drag * (dw - across * nz)
     return x, y, z
+
+
+@kernel
+def grain_pull_at(i, velocity, near, solid):
+    """Return the same, which holds grains by their collisions with a no-slip wall."""
+    return viscous_pull_at(i, velocity, near, solid)
 
 
 @kernel

@@ -14,7 +14,7 @@ from debrisflow.neighbors.pairs import (
     laplacian_factor,
     weight,
 )
-from debrisflow.neighbors.wall_access import viscous_pull_at
+from debrisflow.neighbors.wall_access import grain_pull_at
 from debrisflow.physics.granular_temperature import is_grain
 from debrisflow.physics.kinetic_theory import (
     Grains,
@@ -79,7 +79,7 @@ def collision_force_at(i, velocity, fraction, pressure, viscosity, near, solid):
         x += s * (velocity[j, 0] - u) - f * dx
         y += s * (velocity[j, 1] - v) - f * dy
         z += s * (velocity[j, 2] - w) - f * dz
-    wall_x, wall_y, wall_z = viscous_pull_at(i, velocity, near, solid)
+    wall_x, wall_y, wall_z = grain_pull_at(i, velocity, near, solid)
     s = pull * mu_i
     return x + s * wall_x, y + s * wall_y, z + s * wall_z
 

@@ -258,7 +258,7 @@ def wall_forces_at(i, fluid, near, solid, numbers):
     if face_count(i, solid) == 0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     g, rho = numbers.gravity, density_of(i, fluid.density, numbers)
-    x, y, z = wall_push_at(i, fluid.total_pressure, rho, g, g[0], g[1], g[2], near, solid)
+    x, y, z = wall_push_at(i, fluid.total_pressure, rho, g, g[0], g[1], g[2], 0.0, near, solid)
     drag = laplacian_factor(near) * viscosity_of(i, fluid.viscosity, numbers)
     u, v, w = viscous_pull_at(i, fluid.velocity, near, solid)
     return x, y, z, drag * u, drag * v, drag * w

@@ -171,7 +171,7 @@ def coefficients_at(i, density, near, solid, interface, system):
 
 
 @kernel
-def source_at(i, velocity, density, near, solid, surface, source, system, n, on_free_surface):
+def source_at(i, velocity, density, near, solid, surface, source, system, n, on_free_surface, air):
     """Write the right side of row i, n_i, and what its disorder adds to the diagonal.
 
     The pressure equation of a fluid of variable density, equation (7),
@@ -212,7 +212,8 @@ def source_at(i, velocity, density, near, solid, surface, source, system, n, on_
     on_free_surface[i] = is_on_free_surface(ratio, asymmetry, surface)
     error = n0 * density_error(ratio, asymmetry, surface)
     system.right[i] = (source.density_rate * error - source.consistency * divergence) / source.dt
-    system.diagonal[i] = missing(ratio, asymmetry, surface) / density[i]
+    air[i] = missing(ratio, asymmetry, surface)
+    system.diagonal[i] = air[i] / density[i]
     if i < near.supply_from and n[i] > surface.upper * n0:
         # near the surface the sums lack neighbors and do not tell disorder
         spread = gradient_factor(near) * disorder
@@ -232,11 +233,23 @@ def left_side_at(i, density, near, solid, surface, interface, system, on_free_su
 
 @kernel
 def _assemble(
-    first, last, velocity, density, near, solid, surface, interface, source, system, n, on_surface
+    first,
+    last,
+    velocity,
+    density,
+    near,
+    solid,
+    surface,
+    interface,
+    source,
+    system,
+    n,
+    on_surface,
+    air,
 ):
     # in two loops, which together take two thirds of the time of one: fewer sums at a time
     for i in range(first, last):
-        source_at(i, velocity, density, near, solid, surface, source, system, n, on_surface)
+        source_at(i, velocity, density, near, solid, surface, source, system, n, on_surface, air)
     for i in range(first, last):
         left_side_at(i, density, near, solid, surface, interface, system, on_surface)
 
@@ -259,7 +272,7 @@ def find_free_surface(near, solid, surface, n, on_free_surface):
 
 @loop
 def assemble(
-    velocity, density, near, solid, surface, interface, source, system, n, on_free_surface
+    velocity, density, near, solid, surface, interface, source, system, n, on_free_surface, air
 ):
     """Write the pressure equation, number density and free surface of every unknown.
 
@@ -267,13 +280,13 @@ def assemble(
     ----------
     velocity, density : (moving particles, 3), (n,) float64 array, m/s, kg/m3
     near : Near
-    solid : Solid
-    surface : FreeSurface
+    solid : Solid or Boundary
+    surface : FreeSurface or VirtualAir
     interface : Interface
     source : Source
     system : System
-    n, on_free_surface : (m,) float64, bool array
-        Written, as the system is.
+    n, on_free_surface, air : (m,) float64, bool, float64 array, -, -, 1/m2
+        Written, as the system is; the last one is :func:`debrisflow.physics.free_surface.missing`.
     """
     rows = system.entries.size
     for block in prange((rows + BLOCK - 1) // BLOCK):
@@ -291,6 +304,7 @@ def assemble(
             system,
             n,
             on_free_surface,
+            air,
         )
 
 
@@ -330,7 +344,7 @@ def _correct_before_surfaces(first, last, dt, pressure, density, g, near, solid,
         per = 1.0 / density[i]
         if face_count(i, solid) > 0:
             a, b, c = velocity[i, 0] / dt, velocity[i, 1] / dt, velocity[i, 2] / dt
-            u, v, w = wall_push_at(i, pressure, density[i], g, a, b, c, near, solid)
+            u, v, w = wall_push_at(i, pressure, density[i], g, a, b, c, 1.0 / dt, near, solid)
             push[i, 0], push[i, 1], push[i, 2] = per * u, per * v, per * w
         velocity[i, 0] += dt * (push[i, 0] - per * x)
         velocity[i, 1] += dt * (push[i, 1] - per * y)

@@ -116,7 +116,7 @@ def pressure_gradient(pressure, near, solid, gradient):
 def _pressure_gradient_before_surfaces(first, last, pressure, density, g, near, solid, gradient):
     for i in range(first, last):
         x, y, z = fluid_gradient_at(i, pressure, near)
-        a, b, c = wall_push_at(i, pressure, density[i], g, g[0], g[1], g[2], near, solid)
+        a, b, c = wall_push_at(i, pressure, density[i], g, g[0], g[1], g[2], 0.0, near, solid)
         gradient[i, 0], gradient[i, 1], gradient[i, 2] = x - a, y - b, z - c
 
 

@@ -60,6 +60,23 @@ def viscous_acceleration(velocity, density, viscosity, near, solid, acceleration
 
 
 @kernel
+def _wall_shear(first, last, velocity, density, viscosity, near, solid, acceleration):
+    for i in range(first, last):
+        x, y, z = viscous_pull_at(i, velocity, near, solid)
+        f = laplacian_factor(near) * viscosity[i] / density[i]
+        acceleration[i, 0], acceleration[i, 1], acceleration[i, 2] = f * x, f * y, f * z
+
+
+@loop
+def wall_shear(velocity, density, viscosity, near, solid, acceleration):
+    """Write what of an acceleration by viscosity the walls do, (n, 3) float64 array, m/s2."""
+    n = acceleration.shape[0]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _wall_shear(first, last, velocity, density, viscosity, near, solid, acceleration)
+
+
+@kernel
 def _eddy_viscosity(first, last, density, height, roughness, greatest_length, rate, viscosity):
     for i in range(first, last):
         length = mixing_length(greatest_length, height[i], roughness[i])

@@ -39,26 +39,28 @@ def fluid_slope_at(i, pressure, near):
 
 
 @kernel
-def gradient_in_walls_at(i, pressure, rho, gravity, ax, ay, az, near, solid):
+def gradient_in_walls_at(i, pressure, rho, gravity, ax, ay, az, rate, near, solid):
     """Return the pressure gradient in the wall that particle i stands in front of, Pa/m.
 
     Across each face it is what holds up the fluid there: ``rho g . n`` of fluid at rest, or, where
-    it approaches faster, ``rho a . n`` with what it would be accelerated by without the pressure,
-    a, m/s2.  Along the faces it is that of the fluid before them, by least squares over its
-    neighbors.  With the whole of gravity in the wall thin fronts are held back; with nothing along
-    it a still tank runs at 0.2 m/s, since a fourth of what surrounds a particle at a vertical wall
-    is missing.
+    it approaches faster, ``rho (a - u_wall rate) . n``: a, m/s2, stops it within a time of which
+    ``rate`` is the inverse, before walls that do not move.  Along the faces it is that of the fluid
+    before them, by least squares over its neighbors.  With the whole of gravity in the wall thin
+    fronts are held back; with nothing along it a still tank runs at 0.2 m/s, since a fourth of what
+    surrounds a particle at a vertical wall is missing.
     """
     xx, xy, yy, xz, yz, zz, x, y, z = fluid_slope_at(i, pressure, near)
     third = near.number_density / near.dimension
     xx, yy, zz = xx + LEAST_MOMENT * third, yy + LEAST_MOMENT * third, zz + LEAST_MOMENT * third
     for k in range(face_count(i, solid)):
-        _, nx, ny, nz, _ = face_at(i, k, solid)
+        _, nx, ny, nz, number = face_at(i, k, solid)
+        wall = solid.velocity[number]
         across = STIFF_ACROSS * third
         xx, xy, yy = xx + across * nx * nx, xy + across * nx * ny, yy + across * ny * ny
         xz, yz, zz = xz + across * nx * nz, yz + across * ny * nz, zz + across * nz * nz
         still = gravity[0] * nx + gravity[1] * ny + gravity[2] * nz
-        falls = across * rho * min(still, ax * nx + ay * ny + az * nz)
+        moves = rate * (wall[0] * nx + wall[1] * ny + wall[2] * nz)
+        falls = across * rho * min(still, ax * nx + ay * ny + az * nz - moves)
         x, y, z = x + falls * nx, y + falls * ny, z + falls * nz
     a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)
     q = 1.0 / determinant
@@ -66,7 +68,7 @@ def gradient_in_walls_at(i, pressure, rho, gravity, ax, ay, az, near, solid):
 
 
 @kernel
-def wall_push_at(i, pressure, rho, gravity, ax, ay, az, near, solid):
+def wall_push_at(i, pressure, rho, gravity, ax, ay, az, rate, near, solid):
     """Return the force of the walls on particle i by their pressure, N/m3.
 
         -(Ds/n0) [2 p_i G + T . (grad p)_wall]
@@ -79,7 +81,7 @@ def wall_push_at(i, pressure, rho, gravity, ax, ay, az, near, solid):
     if size == 0.0:
         return 0.0, 0.0, 0.0
     p = pressure[i]
-    bx, by, bz = gradient_in_walls_at(i, pressure, rho, gravity, ax, ay, az, near, solid)
+    bx, by, bz = gradient_in_walls_at(i, pressure, rho, gravity, ax, ay, az, rate, near, solid)
     x = 2.0 * p * gx + xx * bx + xy * by + xz * bz
     y = 2.0 * p * gy + xy * bx + yy * by + yz * bz
     z = 2.0 * p * gz + xz * bx + yz * by + zz * bz

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Frame:
-    """The particles of one file; in three dimensions without the walls.
+    """The particles of one file; walls only in the form study of two dimensions.
 
     Each array of the file is an attribute under its name in
     :data:`debrisflow.particles.arrays.ARRAYS`: ``frame.velocity`` is ``frame.arrays["velocity"]``.

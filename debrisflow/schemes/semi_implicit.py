@@ -43,10 +43,11 @@ CONTACT = 0.3
 class SemiImplicit(Scheme):
     """Fractional step with variable density, everything evaluated at the old positions.
 
-    Predict the velocity from gravity, viscosity, collision stress and drag; solve the pressure
-    equation and correct by its gradient; exchange momentum implicitly by viscosity and friction;
-    move.  With a drag law all that follows the drag is done
-    with the velocity of the mixture, and the slip moves particles by exchange of places, see
+    Predict the velocity from gravity, viscosity, collision stress and drag; bounce off walls; solve
+    the pressure equation, with virtual air at the free surface, and correct by its gradient and by
+    what walls as surfaces push; exchange momentum implicitly by viscosity and friction, that of
+    rough walls too; move.  With a drag law all that follows the drag is done with the velocity of
+    the mixture, and the slip moves particles by exchange of places, see
     :mod:`debrisflow.physics.slip`; without one each particle moves by its own velocity.
     """
 

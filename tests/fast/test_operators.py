@@ -143,6 +143,7 @@ def assembled(near, velocity, density, interface, rate=0.0):
         system,
         np.empty(m),
         np.empty(m, dtype=bool),
+        np.empty(m),
     )
     return system
 

@@ -21,10 +21,14 @@ from debrisflow.space.gravity import gravity_vector
 D0 = 0.05
 
 
-def still_water(dimension, probes, depth=0.5, obstacle=(), **tables):
-    """Return case and state: a tank 1 m long and 0.6 m wide, filled, under the exact pressure."""
+def still_water(dimension, probes, depth=0.5, obstacle=(), closed=False, **tables):
+    """Return case and state: a tank 1 m long and 0.6 m wide, filled, under the exact pressure.
+
+    In two dimensions it may be closed by a ceiling, and then repeats.
+    """
     block = {"type": "block", "x": [0.0, 1.0], "y": [0.0, depth], "material": "water"}
     geometry = {"type": "tank", "width": 1.0, "height": 1.0}
+    geometry |= {"ceiling": closed, "periodic": closed}
     if dimension == 3:
         geometry = {"type": "tank3d", "length": 1.0, "width": 0.6, "height": 1.0}
         block |= {"y": [0.0, 0.6], "z": [0.0, depth]}
@@ -155,6 +159,28 @@ def test_the_force_of_still_water_on_its_walls_in_two_dimensions():
     np.testing.assert_allclose([right[0], -left[0]], push, rtol=0.03)
     np.testing.assert_allclose(floor[:2], [0.0, weight[1]], atol=0.02 * np.abs(weight).max())
     np.testing.assert_allclose(right[2], -push * 0.5 / 3, rtol=0.05)  # at a third of the depth
+
+
+@pytest.mark.parametrize("strength", ["none", "bingham"])
+def test_the_force_of_a_shear_on_the_walls_beside_it_in_two_dimensions(strength):
+    law = {"type": "bingham", "yield_stress": 1e-6} if strength == "bingham" else {"type": "none"}
+    case, state = still_water(
+        2,
+        [{"type": "force", "wall": wall} for wall in ("floor", "ceiling")],
+        depth=1.0,
+        water={"viscosity": 2.0},
+        walls={"ceiling": {"velocity": [0.3, 0.0]}},
+        gravity={"acceleration": 0.0},
+        strength=law,
+        closed=True,
+    )
+    scheme, p, measures = SemiImplicit(case), state.particles, samplers(case, state)
+    p.velocity[p.fluid, 0] = 0.3 * p.position[p.fluid, 1]
+    for _ in range(3):
+        scheme.step(state, 1e-4)
+        state.step += 1
+    floor, ceiling = (wall.sample(state)[0] for wall in measures.values())
+    np.testing.assert_allclose([floor, -ceiling], 2.0 * 0.3, rtol=0.02)
 
 
 def test_the_force_of_still_water_on_its_walls_in_three_dimensions():

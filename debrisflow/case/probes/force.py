@@ -9,7 +9,7 @@ from debrisflow.case.probe import Fault, Faults, Probe, Space
 
 
 class ForceProbe(Probe):
-    """Force and moment on a whole wall or obstacle; in two dimensions those of the pressure."""
+    """Force and moment on a whole wall or obstacle; in the form study those of the pressure."""
 
     type: Literal["force"]
     wall: str = quantity(NONE, "name of the wall (floor, left, ...) or of the obstacle")

@@ -44,12 +44,13 @@ class WallForce(Sampler):
     def columns(dimension: int) -> tuple[Column, ...]:
         """Return the components of force, moment and impulse."""
         if dimension == 2:
-            axes, turning, at_start = "xy", "z", "0"
+            axes, turning, at_start = "xy", "z", "that of the step before"
             about, width = "counterclockwise about the given point", "per meter of width"
         else:
             axes = turning = "xyz"
             at_start, about, width = "that at rest", "about the given point", ""
         push = "of all that the fluid does to the wall: pressure, shear, friction, contact"
+        push += "; in the form study of the pressure"
         push += f"; mean since the row before, in the first row {at_start}"
         impulse = "of that force since t = 0, summed over all steps"
         return (
@@ -75,7 +76,7 @@ class WallForce(Sampler):
     def _push(self, state: State) -> Floats:
         """Return the three components of the force, N, and of its moment, N m."""
         if len(state.wall_force) == 0 and self._case.has_surfaces:
-            return np.zeros(6)  # before the first step in two dimensions
+            return np.zeros(6)  # before any step in two dimensions
         if self._case.has_surfaces:
             push, moment = np.split(state.wall_force[self._number], 2)
             return np.concatenate([push, moment - np.cross(self._about, push)])

@@ -174,8 +174,10 @@ class PhaseCollisions(CollisionStress):
 
     def act(self, step: Step) -> None:
         """Add the acceleration by collisions."""
-        fluid = step.particles.fluid
-        step.velocity[fluid] += step.dt * step.scene.collision_acceleration
+        p, scene = step.particles, step.scene
+        step.velocity[p.fluid] += step.dt * scene.collision_acceleration
+        of_grains = np.where(p.sediment_fraction[p.moving] > 0.0, self.viscosity, 0.0)
+        step.react_to_shear(scene.velocity, of_grains)
 
 
 def viscous_step(viscosity: Floats, density: Floats, spacing: float) -> float:

@@ -60,7 +60,7 @@ class WallBounce(Term):
         before = step.velocity[p.fluid].copy()
         solid, velocity = step.scene.solid, step.velocity[p.fluid]
         bounce_off_walls(self._reach, self._restitution, solid, velocity)
-        step.reaction = (velocity - before) / step.dt
+        step.react((velocity - before) / step.dt)
 
 
 class WallContact(Term):

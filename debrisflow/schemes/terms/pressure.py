@@ -58,7 +58,7 @@ class PressureEquation(Term):
     def act(self, step: Step) -> None:
         """Find the pressure of fluid, supply and walls, and who is on the free surface."""
         scene, p, m = step.scene, step.particles, step.particles.unknown_count
-        system = self._room.fit(scene.near.neighbors.shape)
+        system, air = self._room.fit(scene.near.neighbors.shape), np.empty(m)
         pressure.assemble(
             step.velocity,
             p.density,
@@ -76,8 +76,9 @@ class PressureEquation(Term):
             system,
             p.number_density[:m],
             p.on_free_surface[:m],
+            air,
         )
-        has_no_surface = not p.on_free_surface[:m].any() and remove_mean(system)
+        has_no_surface = not air.any() and remove_mean(system)
         step.iterations = self.solver.solve(system, step.pressure)
         if step.iterations < 0:
             raise NotConvergedError("the pressure equation")

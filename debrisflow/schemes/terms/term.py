@@ -13,6 +13,7 @@ from debrisflow.neighbors.pairs import Near
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
+from debrisflow.physics.viscosity import wall_shear
 
 Floats = NDArray[np.float64]
 
@@ -94,6 +95,19 @@ class Step:
     def state(self) -> State:
         """The state at the beginning of the step."""
         return self.scene.state
+
+    def react(self, acceleration: Floats) -> None:
+        """Add what walls as surfaces do to the fluid particles, (n, 3) array, m/s2."""
+        before = self.reaction
+        self.reaction = before + acceleration if len(before) else acceleration
+
+    def react_to_shear(self, velocity: Floats, viscosity: Floats) -> None:
+        """Add what such walls do by an explicit viscosity, (n,) array, Pa s, at a velocity."""
+        scene, p = self.scene, self.particles
+        if isinstance(scene.solid, Boundary):
+            shear = np.empty((p.fluid_count, 3))
+            wall_shear(velocity, p.density, viscosity, scene.near, scene.solid, shear)
+            self.react(shear)
 
     @property
     def particles(self) -> Particles:

@@ -65,3 +65,4 @@ class ExplicitViscosity(NewtonianViscosity):
             scene.velocity, p.density, scene.viscosity, scene.near, scene.solid, acceleration
         )
         step.velocity[p.fluid] += step.dt * acceleration
+        step.react_to_shear(scene.velocity, scene.viscosity)
