@@ -78,22 +78,22 @@ def beyond_of(table):
 
 
 @kernel
-def _place(q, radius):
-    """Return the step of the table below q, not the last one, and the share of the way to the next.
+def step_below(q, radius, steps):
+    """Return the step of a table below q, not the last one, and the share of the way to the next.
 
-    Beyond the reach it is that at its end.
+    The table has a number of steps from -R to R.  Beyond the reach it is that at its end.
     """
-    at = (min(max(q, -radius), radius) + radius) * STEPS / (2.0 * radius)
-    below = min(int(at), STEPS - 1)
+    at = (min(max(q, -radius), radius) + radius) * steps / (2.0 * radius)
+    below = min(int(at), steps - 1)
     return below, at - below
 
 
 @kernel
 def add_octant(qx, qy, qz, sign, total, table):
     """Add the sums of an octant, times a sign, to ``total``, (SUMS,) float64 array."""
-    i, x = _place(qx, table.radius)
-    j, y = _place(qy, table.radius)
-    k, z = _place(qz, table.radius)
+    i, x = step_below(qx, table.radius, STEPS)
+    j, y = step_below(qy, table.radius, STEPS)
+    k, z = step_below(qz, table.radius, STEPS)
     for di in range(2):
         wx = sign * (x if di else 1.0 - x)
         for dj in range(2):

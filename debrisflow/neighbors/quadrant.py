@@ -22,7 +22,7 @@ from debrisflow.neighbors.half_plane import (
     number_density_beyond,
     push_beyond,
 )
-from debrisflow.neighbors.octant import turned
+from debrisflow.neighbors.octant import step_below, turned
 
 Floats = NDArray[np.float64]
 STEPS = 128  # of the table along each axis, from -R to R
@@ -142,21 +142,10 @@ def beyond_of(table):
 
 
 @kernel
-def _place(q, radius):
-    """Return the step of the table below q, not the last one, and the share of the way to the next.
-
-    Beyond the reach it is that at its end.
-    """
-    at = (min(max(q, -radius), radius) + radius) * STEPS / (2.0 * radius)
-    below = min(int(at), STEPS - 1)
-    return below, at - below
-
-
-@kernel
 def add_quadrant(qx, qy, sign, total, table):
     """Add the sums of a quadrant, times a sign, to ``total``, (SUMS,) float64 array."""
-    i, x = _place(qx, table.radius)
-    j, y = _place(qy, table.radius)
+    i, x = step_below(qx, table.radius, STEPS)
+    j, y = step_below(qy, table.radius, STEPS)
     for di in range(2):
         wx = sign * (x if di else 1.0 - x)
         for dj in range(2):

@@ -240,32 +240,30 @@ def pressed_pair(i, k, near, solid):
     return near.wall_from + j, inverse
 
 
-@by_record
-def viscous_pull_at(i, velocity, near, solid):
-    """Return the sum of ``(u_j - u_i) w`` over the walls of particle i, m/s."""
+@kernel
+def _pull_at(i, velocity, released, near, solid):
+    """Return the sum of ``(u_j - u_i) w`` over walls; free-slip ones are left out by a share."""
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     x, y, z = 0.0, 0.0, 0.0
     for k in range(near.wall_count[i]):
         j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
         height = height_over(dx, dy, dz, j, solid)
         du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, near)
-        f = weight(inverse, near)
+        f = weight(inverse, near) * (1.0 - released * solid.slip[j])
         x, y, z = x + f * du, y + f * dv, z + f * dw
     return x, y, z
+
+
+@by_record
+def viscous_pull_at(i, velocity, near, solid):
+    """Return the sum of ``(u_j - u_i) w`` over the walls of particle i, m/s."""
+    return _pull_at(i, velocity, 0.0, near, solid)
 
 
 @by_record
 def grain_pull_at(i, velocity, near, solid):
     """Return the sum of ``(u_j - u_i) w`` over the no-slip walls of particle i, m/s."""
-    u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    x, y, z = 0.0, 0.0, 0.0
-    for k in range(near.wall_count[i]):
-        j, dx, dy, dz, inverse = wall_pair(i, k, near, solid)
-        height = height_over(dx, dy, dz, j, solid)
-        du, dv, dw = wall_velocity_difference(u, v, w, height, j, solid, near)
-        f = weight(inverse, near) * (1.0 - solid.slip[j])
-        x, y, z = x + f * du, y + f * dv, z + f * dw
-    return x, y, z
+    return _pull_at(i, velocity, 1.0, near, solid)
 
 
 @by_record
