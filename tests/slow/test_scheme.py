@@ -139,12 +139,13 @@ def test_a_free_drop_gains_the_momentum_of_gravity_alone(rng, tables):
     scheme, state = dropped(rng, **tables)
     gravity = gravity_vector(scheme.case)
     noise = noise_of(state, gravity)
-    assert drift_of_a_drop(scheme, state, until=0.1) < 1e-12  # rounding of 100 steps
+    # as long as it takes the pressure alone to stop the noise
+    assert drift_of_a_drop(scheme, state, until=0.12) < 1e-12  # rounding of 120 steps
     p = state.particles
     assert p.fluid_count == 144
     assert p.position[p.fluid, 1].min() > 0.8
-    # there was something to conserve: the pressure has taken a third of the noise and more
-    assert noise_of(state, gravity) < 0.65 * noise
+    # there was something to conserve: pressure and collisions have stopped the noise
+    assert noise_of(state, gravity) < 0.6 * noise
 
 
 @pytest.mark.parametrize(

@@ -49,6 +49,12 @@ def test_water_rests_on_a_heavy_layer():
     assert found.through_wall == 0
 
 
+@pytest.mark.xfail(strict=True, reason="4.5 % in the lower layer: its lattice packs by 3 %")
+def test_the_pressure_of_twenty_rows_grows_with_the_weight_of_each_layer():
+    found = hydrostatic.run("hydrostatic_two_phase2d")
+    assert found.slopes == pytest.approx((2650.0 * 9.81, 1000.0 * 9.81), rel=0.03)
+
+
 def test_the_pressure_grows_with_the_weight_of_each_layer():
     # at 20 rows two of each layer would be all that the slope is fitted to
     found = hydrostatic.run("hydrostatic_two_phase2d", ("particles.spacing=0.005",))
@@ -167,10 +173,21 @@ def test_the_poiseuille_profile_converges():
 
 
 def test_the_front_of_the_dam_break_agrees_with_the_experiment(breaks):
-    # without a gate it leads the experiment by a shift in time: 11.3 % before that is taken out
     shipped = breaks[32]
     assert shipped.best_shift()[1] < 0.04
     assert shipped.slope() == pytest.approx(1.32, rel=0.08)
+
+
+@pytest.mark.xfail(strict=True, reason="11.3 %: no lattice of walls holds it back, and no gate")
+def test_the_front_of_the_dam_break_agrees_without_a_shift_in_time(breaks):
+    assert breaks[32].front_error() < 0.10
+
+
+@pytest.mark.xfail(strict=True, reason="a wall law slows the lowest row alone, a thinner one each")
+def test_the_dam_break_converges(breaks):
+    at = [0.05, 0.09, 0.13, 0.17]
+    coarse, middle, fine = (np.interp(at, breaks[n].time, breaks[n].front) for n in (16, 32, 64))
+    assert np.abs(fine - middle).mean() < np.abs(middle - coarse).mean()
 
 
 @pytest.mark.parametrize("across", [16, 32, 64])
@@ -204,7 +221,10 @@ def test_the_splash_of_a_dam_break_stays_in_the_tank():
         (2, 0.003, 0.004, 0.05),
         (4, 0.003, 0.004, 0.05),
         (8, 0.003, 0.004, 0.05),
-        # so rough that a film of one row, a fourth as deep, is 21 % too fast
+        pytest.param(
+            *(1, 0.095, 0.0095, 0.12),
+            marks=pytest.mark.xfail(strict=True, reason="21 %: k_s is four times the depth"),
+        ),
         (2, 0.095, 0.0095, 0.10),
         (4, 0.095, 0.0095, 0.10),
         (8, 0.095, 0.0095, 0.10),
