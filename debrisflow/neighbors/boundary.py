@@ -24,6 +24,7 @@ from debrisflow.neighbors.beyond import (
     seen_distance,
 )
 from debrisflow.neighbors.pairs import BLOCK
+from debrisflow.neighbors.wall_access import velocity_of
 
 Floats = NDArray[np.float64]
 FACES = 3  # of walls that one particle can stand in front of
@@ -40,12 +41,13 @@ class Walls(NamedTuple):
         1 where a wall is free-slip, 0 where it is no-slip.
     roughness : (walls,) float64 array, m
         Equivalent sand roughness; 0 where the law of the wall does not act.
-    velocity : (walls, 3) float64 array, m/s
+    velocity : (walls, 3) float64 array, m/s, or None
+        None where no wall moves, for which kernels are compiled that are faster.
     """
 
     slip: Floats
     roughness: Floats
-    velocity: Floats
+    velocity: Floats | None
 
 
 class Boundary(NamedTuple):
@@ -91,7 +93,7 @@ class Boundary(NamedTuple):
     is_edge: NDArray[np.bool_]
     slip: Floats
     roughness: Floats
-    velocity: Floats
+    velocity: Floats | None
     radius: float
     dimension: float
 
@@ -270,8 +272,8 @@ def grain_pull_at(i, velocity, near, solid):
 @kernel
 def velocity_beside(u, v, w, number, solid):
     """Return a velocity relative to that of a wall, m/s."""
-    velocity = solid.velocity
-    return u - velocity[number, 0], v - velocity[number, 1], w - velocity[number, 2]
+    wall_u, wall_v, wall_w = velocity_of(number, solid.velocity)
+    return u - wall_u, v - wall_v, w - wall_w
 
 
 @kernel
@@ -292,7 +294,8 @@ def stick_at(i, f, near, solid):
     push = solid.share[solid.row[i], f] * solid.push[solid.row[i], f]
     pull = 2.0 * near.dimension / near.number_density * push / height
     pull *= 1.0 - solid.slip[number]
-    down, velocity = 2.0 * height, solid.velocity
+    down = 2.0 * height
+    wall_u, wall_v, wall_w = velocity_of(number, solid.velocity)
     return (
         pull,
         height,
@@ -303,9 +306,9 @@ def stick_at(i, f, near, solid):
         -down * ny,
         -down * nz,
         solid.roughness[number],
-        velocity[number, 0],
-        velocity[number, 1],
-        velocity[number, 2],
+        wall_u,
+        wall_v,
+        wall_w,
     )
 
 

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.boundary import LEAST_HEIGHT, face_at, face_count, velocity_beside
 from debrisflow.neighbors.pairs import BLOCK
+from debrisflow.neighbors.wall_access import velocity_of
 from debrisflow.physics.turbulence import wall_friction
 
 Floats = NDArray[np.float64]
@@ -187,11 +188,11 @@ def _hold_along_walls(
             )
             _, nx, ny, nz, number = face_at(i, f, solid)
             held = dt * (sliding / max(speed, SLOWEST) + b * speed)
-            wall = solid.velocity[number]
-            across = wall[0] * nx + wall[1] * ny + wall[2] * nz
-            gu += held * (wall[0] - across * nx)
-            gv += held * (wall[1] - across * ny)
-            gw += held * (wall[2] - across * nz)
+            wall_u, wall_v, wall_w = velocity_of(number, solid.velocity)
+            across = wall_u * nx + wall_v * ny + wall_w * nz
+            gu += held * (wall_u - across * nx)
+            gv += held * (wall_v - across * ny)
+            gw += held * (wall_w - across * nz)
             xx, xy, yy = (
                 xx + held * (1.0 - nx * nx),
                 xy - held * nx * ny,

@@ -10,6 +10,7 @@ import numpy as np
 from debrisflow._jit import kernel
 from debrisflow.neighbors.boundary import face_at, face_count, wall_sums_at
 from debrisflow.neighbors.pairs import fluid_pair, gradient_factor, weight
+from debrisflow.neighbors.wall_access import velocity_of
 from debrisflow.physics.operators import cofactors
 
 LEAST_MOMENT = 0.04
@@ -17,25 +18,6 @@ LEAST_MOMENT = 0.04
 no gradient of the pressure along a wall."""
 STIFF_ACROSS = 1.3
 """The same, by which the gradient across a face is held to what stops the fluid there."""
-
-
-@kernel
-def fluid_slope_at(i, pressure, near):
-    """Return moments and slope of the pressure over the fluid neighbors of particle i.
-
-    The sums of ``r_ij (x) r_ij w / r^2`` as (xx, xy, yy, xz, yz, zz) and of ``(p_j - p_i) r_ij w /
-    r^2``.
-    """
-    xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    x, y, z, own = 0.0, 0.0, 0.0, pressure[i]
-    for k in range(near.fluid_count[i]):
-        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
-        f = weight(inverse, near) * inverse * inverse
-        xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
-        xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
-        f *= pressure[j] - own
-        x, y, z = x + f * dx, y + f * dy, z + f * dz
-    return xx, xy, yy, xz, yz, zz, x, y, z
 
 
 @kernel
@@ -49,17 +31,25 @@ def gradient_in_walls_at(i, pressure, rho, gravity, ax, ay, az, rate, near, soli
     fronts are held back; with nothing along it a still tank runs at 0.2 m/s, since a fourth of what
     surrounds a particle at a vertical wall is missing.
     """
-    xx, xy, yy, xz, yz, zz, x, y, z = fluid_slope_at(i, pressure, near)
+    xx, xy, yy, xz, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x, y, z, own = 0.0, 0.0, 0.0, pressure[i]
+    for k in range(near.fluid_count[i]):
+        j, dx, dy, dz, inverse = fluid_pair(i, k, near)
+        f = weight(inverse, near) * inverse * inverse
+        xx, xy, yy = xx + f * dx * dx, xy + f * dx * dy, yy + f * dy * dy
+        xz, yz, zz = xz + f * dx * dz, yz + f * dy * dz, zz + f * dz * dz
+        f *= pressure[j] - own
+        x, y, z = x + f * dx, y + f * dy, z + f * dz
     third = near.number_density / near.dimension
     xx, yy, zz = xx + LEAST_MOMENT * third, yy + LEAST_MOMENT * third, zz + LEAST_MOMENT * third
     for k in range(face_count(i, solid)):
         _, nx, ny, nz, number = face_at(i, k, solid)
-        wall = solid.velocity[number]
+        wall_u, wall_v, wall_w = velocity_of(number, solid.velocity)
         across = STIFF_ACROSS * third
         xx, xy, yy = xx + across * nx * nx, xy + across * nx * ny, yy + across * ny * ny
         xz, yz, zz = xz + across * nx * nz, yz + across * ny * nz, zz + across * nz * nz
         still = gravity[0] * nx + gravity[1] * ny + gravity[2] * nz
-        moves = rate * (wall[0] * nx + wall[1] * ny + wall[2] * nz)
+        moves = rate * (wall_u * nx + wall_v * ny + wall_w * nz)
         falls = across * rho * min(still, ax * nx + ay * ny + az * nz - moves)
         x, y, z = x + falls * nx, y + falls * ny, z + falls * nz
     a, b, c, d, e, f, determinant = cofactors(xx, xy, yy, xz, yz, zz)

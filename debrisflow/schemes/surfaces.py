@@ -46,7 +46,7 @@ def _walls_of(case: ResolvedCase) -> Walls:
     velocity = np.zeros((len(WALL_NAMES) + len(case.obstacle), 3))
     for number, name in enumerate(WALL_NAMES):
         velocity[number, :2] = getattr(case.walls, name).velocity
-    return Walls(slips(case), roughnesses(case), velocity)
+    return Walls(slips(case), roughnesses(case), velocity if velocity.any() else None)
 
 
 def boxes_of(case: ResolvedCase) -> Boxes:
