@@ -1,8 +1,8 @@
 """Numba's options, cache folder and threads, decided once.
 
-``kernel`` compiles a function, ``loop`` one with parallel ``prange`` loops.  The cache folder is
-named after a digest of the sources that machine code depends on, because Numba keeps a caller's
-old machine code when only a function that it calls, in another file, has changed.
+``kernel`` compiles a function of one particle, ``loop`` one with parallel ``prange`` loops.  The
+cache folder is named after a digest of the sources that machine code depends on, because Numba
+keeps a caller's old machine code when only a function that it calls, in another file, has changed.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from time import perf_counter
 from typing import Any
 
 import numba
+from llvmlite.binding import set_option
 from numba.core import event
 
 PACKAGE = Path(__file__).parent
@@ -35,7 +36,7 @@ def kernel_sources() -> list[Path]:
 
     Machine code comes from the functions that ``kernel`` and ``loop`` decorate, and these can
     refer only to what their own file defines or imports.  So the files are those that import one
-    of the two decorators, and all that they import from the package, directly or not.
+    of the decorators, and all that they import from the package, directly or not.
     """
     texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
     found = {Path(__file__)}
@@ -50,7 +51,7 @@ def kernel_sources() -> list[Path]:
 
 def _defines_kernels(text: str) -> bool:
     return any(
-        source == __name__ and re.search(r"\b(kernel|loop)\b", names)
+        source == __name__ and re.search(r"\b(allocating_kernel|kernel|loop)\b", names)
         for source, names, _ in _IMPORTS.findall(text)
     )
 
@@ -163,6 +164,11 @@ numba.config.THREADING_LAYER = THREADING_LAYER
 COMPILATIONS = Compilations()
 event.register("numba:compile", COMPILATIONS)
 
+# A loop that writes an array while it reads others is compiled twice, for arrays that may overlap
+# and for others, which round differently; a look at the addresses, which are never the same twice,
+# decides.  Without that look only sums are vectorized, and the bits are the same on every run.
+set_option("debrisflow", "-vectorize-memory-check-threshold=0")
+
 # Sums may be reassociated, the same way on every run; NaN stays detectable by comparisons, not by
 # np.isfinite, which these flags make true.
 _MATH = {"reassoc", "contract", "arcp", "nsz"}
@@ -170,7 +176,17 @@ _MATH = {"reassoc", "contract", "arcp", "nsz"}
 OPTIONS = {"error_model": "numpy", "fastmath": _MATH}
 """Of Numba, for whatever is compiled."""
 
-kernel = numba.njit(cache=True, **OPTIONS)
+KERNEL_OPTIONS = OPTIONS | {"forceinline": True, "_nrt": False}
+"""Of kernels.
+
+Their records hold tens of arrays.  A call copies all of them and counts a reference to each, up and
+down, atomically: for a particle near a wall that took three times as long as the sums themselves.
+So kernels become part of the loop that calls them, and count nothing: their arrays are those of
+that loop, which outlive them.  Such a kernel can neither make an array nor return one."""
+
+kernel = numba.njit(cache=True, **KERNEL_OPTIONS)
+allocating_kernel = numba.njit(cache=True, forceinline=True, **OPTIONS)
+"""Compiles a kernel that makes arrays or returns them."""
 loop = numba.njit(cache=True, parallel=True, **OPTIONS)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from numba import types
 from numba.extending import overload
 
-from debrisflow._jit import OPTIONS, kernel
+from debrisflow._jit import KERNEL_OPTIONS, kernel
 
 Formula = Callable[..., Any]
 
@@ -39,7 +39,7 @@ def by_record(usual: Formula) -> Formula:
     def chosen(*arguments: Any) -> Any:
         return formula_of(type(arguments[-1]))(*arguments)
 
-    @overload(chosen, jit_options=OPTIONS, strict=False)
+    @overload(chosen, jit_options=KERNEL_OPTIONS, strict=False)
     def compiled(*arguments: Any) -> Formula | None:
         law = arguments[-1]
         if not isinstance(law, types.BaseNamedTuple):

@@ -8,7 +8,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from debrisflow._jit import kernel, loop
+from debrisflow._jit import allocating_kernel, kernel, loop
 from debrisflow.neighbors.beyond import push_beyond, stretched
 from debrisflow.neighbors.boundary import insert_face
 from debrisflow.neighbors.octant import beyond_of, box_sums
@@ -298,7 +298,7 @@ def survey_at(i, position, boxes, listed, table, spacing, boundary, room):
             insert_face(row, distance, room.turned, number, push, True, boundary)
 
 
-@kernel
+@allocating_kernel
 def _survey(first, last, position, boxes, nearby, table, spacing, boundary):
     a, b, c, d, e = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     room = Room(a, b, c, d, e, np.empty(boundary.sums.shape[1]))

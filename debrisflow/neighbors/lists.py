@@ -8,7 +8,8 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from debrisflow._jit import kernel, loop
+from debrisflow._jit import allocating_kernel, kernel, loop
+from debrisflow.neighbors.pairs import repeats_of, to_nearest_image
 
 Floats = NDArray[np.float64]
 SKIN = 0.4
@@ -37,8 +38,8 @@ class Cells(NamedTuple):
     reach : int
         Cells along y that the radius spans.
     periodic : (3,) bool array
-    period : (2, 3) float64 array, m, 1/m
-        Period along each axis and its inverse; 0 where there is none.
+    period : (2, 3) float64 array, m, 1/m, or None
+        See :class:`debrisflow.neighbors.pairs.Near`.
     """
 
     position: Floats
@@ -49,7 +50,7 @@ class Cells(NamedTuple):
     shape: NDArray[np.int64]
     reach: int
     periodic: NDArray[np.bool_]
-    period: Floats
+    period: Floats | None
 
 
 def sort_into_cells(position: Floats, radius: float, period: Floats) -> Cells:
@@ -71,7 +72,7 @@ def sort_into_cells(position: Floats, radius: float, period: Floats) -> Cells:
         shape=shape,
         reach=reach,
         periodic=periodic,
-        period=np.stack([period, np.divide(1.0, period, out=np.zeros(3), where=periodic)]),
+        period=repeats_of(period),
     )
     _sort_by_cell(cells_of(position, cells), cells.start, cells.order)
     return cells._replace(position=np.ascontiguousarray(position[cells.order].T))
@@ -117,38 +118,34 @@ def append_near(itself, here, cells, lower, upper, reach2, near, listed, count):
     """Append the points of ``order[lower:upper]`` within reach of ``here`` to a list.
 
     Distances first, which vectorizes, then the list; the last place of the list takes what does
-    not count, which spares a branch.  Twice as fast as one loop.
+    not count, which spares a branch.  Twice as fast as one loop, and twice again with indices that
+    have no sign, which need no look whether they count from the end.
     """
-    last, period = listed.size - 1, cells.period
+    last = listed.size - 1
     for first in range(lower, upper, PIECE):
         size = min(upper - first, PIECE)
         xs = cells.position[0, first : first + size]
         ys = cells.position[1, first : first + size]
         zs = cells.position[2, first : first + size]
         for k in range(size):
-            dx = xs[k] - here[0]
-            dy = ys[k] - here[1]
-            dz = zs[k] - here[2]
-            dx -= period[0, 0] * np.rint(dx * period[1, 0])
-            dy -= period[0, 1] * np.rint(dy * period[1, 1])
-            dz -= period[0, 2] * np.rint(dz * period[1, 2])
+            dx, dy, dz = xs[k] - here[0], ys[k] - here[1], zs[k] - here[2]
+            dx, dy, dz = to_nearest_image(dx, dy, dz, cells.period)
             near[k] = dx * dx + dy * dy + dz * dz < reach2
         for k in range(size):
-            j = cells.order[first + k]
-            listed[min(count, last)] = j
-            count += near[k] & np.int8(j != itself)
+            j = cells.order[np.uint64(first + k)]
+            listed[np.uint64(min(count, last))] = j
+            count += near[np.uint64(k)] & np.int8(j != itself)
     return count
 
 
 @kernel
-def list_at(itself, here, cell, cells, reach2, listed):
+def list_at(itself, here, cell, cells, reach2, near, listed):
     """Write the points within reach of ``here`` into a list and return how many there are.
 
-    ``cell`` is the cell of here.  The point ``itself`` is left out.  A number greater than the
-    length less one says that the list overflowed.
+    ``cell`` is the cell of here, ``near`` room for a piece of the points.  The point ``itself`` is
+    left out.  A number greater than the length less one says that the list overflowed.
     """
     count = np.int64(0)  # a literal would compile append_near once more
-    near = np.empty(PIECE, dtype=np.int8)
     shape, periodic, reach = cells.shape, cells.periodic, cells.reach
     cy = cell % shape[1]
     cz = (cell // shape[1]) % shape[2]
@@ -181,15 +178,23 @@ def list_at(itself, here, cell, cells, reach2, listed):
     return count
 
 
-@loop
-def _list(among, position, cell, row, cells, reach2, index, count):
-    """Write who is near each position: its row of ``index`` and the count; row -1 has none."""
-    for i in prange(count.size):
+@allocating_kernel
+def _list_block(first, last, among, position, cell, row, cells, reach2, index, count):
+    near = np.empty(PIECE, dtype=np.int8)
+    for i in range(first, last):
         count[i] = 0
         if row[i] >= 0:
             here = (position[i, 0], position[i, 1], position[i, 2])
             itself = np.int64(i) if among else -1  # unsigned and -1 would make a float
-            count[i] = list_at(itself, here, cell[i], cells, reach2, index[row[i]])
+            count[i] = list_at(itself, here, cell[i], cells, reach2, near, index[row[i]])
+
+
+@loop
+def _list(among, position, cell, row, cells, reach2, index, count):
+    """Write who is near each position: its row of ``index`` and the count; row -1 has none."""
+    for block in prange((count.size + PIECE - 1) // PIECE):
+        first, last = block * PIECE, min(block * PIECE + PIECE, count.size)
+        _list_block(first, last, among, position, cell, row, cells, reach2, index, count)
 
 
 @loop
@@ -253,7 +258,7 @@ def _listed(
         index = np.zeros((len(index), most + most // 8 + 2), dtype=np.int32)
 
 
-@kernel
+@allocating_kernel
 def _group(first, last, index, count, moving, pressed, moving_count, pressed_count):
     kept = np.empty(index.shape[1], dtype=np.int32)
     for i in range(first, last):

@@ -8,7 +8,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from debrisflow._jit import kernel, loop
+from debrisflow._jit import allocating_kernel, kernel, loop
 from debrisflow.neighbors.boxes import Boxes, distance_to, place_in
 from debrisflow.neighbors.pairs import BLOCK, separation
 
@@ -28,7 +28,7 @@ class Nearby(NamedTuple):
     box: NDArray[np.int32]
 
 
-@kernel
+@allocating_kernel
 def _count_near(first, last, position, boxes, reach, count):
     here = np.empty(3)
     for i in range(first, last):
@@ -45,7 +45,7 @@ def _count_all_near(position, boxes, reach, count):
         _count_near(first, last, position, boxes, reach, count)
 
 
-@kernel
+@allocating_kernel
 def _list_near(first, last, position, boxes, reach, start, box):
     here = np.empty(3)
     for i in range(first, last):
@@ -104,7 +104,7 @@ def _is_cut(i, j, position, period, boxes, here):
     return False
 
 
-@kernel
+@allocating_kernel
 def _cut_pairs(first, last, position, row, period, boxes, index, count):
     here = np.empty(3)
     for i in range(first, last):

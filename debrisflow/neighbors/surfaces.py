@@ -6,7 +6,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from debrisflow._jit import kernel, loop
+from debrisflow._jit import allocating_kernel, kernel, loop
 from debrisflow.neighbors.boundary import Boundary, Walls, boundary_of, insert_face
 from debrisflow.neighbors.boxes import Boxes, survey
 from debrisflow.neighbors.elements import Elements, add_elements, add_sphere, face_of_elements
@@ -42,12 +42,13 @@ def survey_elements_at(i, position, listed, count, elements, radius, spacing, bo
         if number >= 0:
             push = -(own[2] * normal[0] + own[3] * normal[1] + own[4] * normal[2]) / spacing
             insert_face(row, distance, normal, number, push, is_edge, boundary)
-        first[:] = normal
+        for k in range(3):
+            first[k] = normal[k]
     for s in range(own.size):
         total[s] += own[s] / spacing if 2 <= s <= 4 else own[s]
 
 
-@kernel
+@allocating_kernel
 def _survey_elements(begin, end, position, index, row, count, elements, radius, spacing, boundary):
     room = (np.empty(3), np.empty(3), np.empty(boundary.sums.shape[1]))
     for i in range(begin, end):

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from debrisflow._jit import kernel, loop
+from debrisflow._jit import allocating_kernel, kernel, loop
 from debrisflow.neighbors.beyond import push_beyond, seen_distance
 from debrisflow.neighbors.boundary import beyond_of, face_at, face_count
 from debrisflow.neighbors.pairs import BLOCK, fluid_pair
@@ -123,7 +123,7 @@ def share_at(i, f, near, solid, whole, column):
     return min(max(wanted / (d0 * column[0]), LEAST_SHARE), GREATEST_SHARE)
 
 
-@kernel
+@allocating_kernel
 def _share_drag(first, last, near, solid):
     column, reach = np.empty(5), near.effective_radius / near.spacing
     whole = squares_covered(reach * reach - 1.0)

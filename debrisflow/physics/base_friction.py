@@ -22,7 +22,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from debrisflow._jit import kernel, loop
+from debrisflow._jit import allocating_kernel, kernel, loop
 from debrisflow.neighbors.boundary import LEAST_HEIGHT, face_at, face_count, velocity_beside
 from debrisflow.neighbors.pairs import BLOCK
 from debrisflow.neighbors.wall_access import velocity_of
@@ -252,7 +252,7 @@ def _columns_around(place, axis, grid):
     return min(max(first, 0), most), min(max(first + 1, 0), most), at - below
 
 
-@kernel
+@allocating_kernel
 def survey_columns(position, velocity, next_to_wall, grid, spacing, sums, columns):
     """Write depth, speed and particles beside the wall of the column around each particle.
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow._jit import kernel
+from debrisflow._jit import allocating_kernel, kernel
 
 Floats = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Grains(NamedTuple):
     largest_concentration: float
 
 
-@kernel
+@allocating_kernel
 def radial_distribution(c, packing_limit):
     """Return ``g0 = 1 / (1 - (C / C*)^(1/3))`` of equation (11).
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from debrisflow._jit import kernel, loop
+from debrisflow._jit import allocating_kernel, kernel, loop
 from debrisflow.schemes.multigrid import NO_HIERARCHY, Hierarchy, cycle, hierarchy
 from debrisflow.schemes.system import Floats, System, multiply, residual
 
@@ -62,7 +62,7 @@ def _precondition(system, h, use_multigrid, right, z, old, room):
         _divide(system, right, z)
 
 
-@kernel
+@allocating_kernel
 def conjugate_gradients(system, h, use_multigrid, tolerance, most, x, partial):
     """Solve a symmetric positive definite system from the given start.
 
@@ -118,7 +118,7 @@ def conjugate_gradients(system, h, use_multigrid, tolerance, most, x, partial):
     return -1
 
 
-@kernel
+@allocating_kernel
 def stabilized_biconjugate_gradients(system, h, use_multigrid, tolerance, most, x, partial):
     """Solve a system that need not be symmetric; parameters as in :func:`conjugate_gradients`.
 

@@ -286,7 +286,8 @@ def cycle(system, h, right, z, old, coarse_right, coarse, rest):
                 start, h.prolong_index, h.prolong_value, coarse[a : a + m], coarse[b : b + f]
             )
             row = b + level - 2
-            rest[b : b + f] = coarse[b : b + f]
+            for i in range(b, b + f):
+                rest[i] = coarse[i]
             _coarse_backward(
                 h.matrix_start[row : row + f + 1],
                 h.matrix_index,

@@ -8,7 +8,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from debrisflow._jit import kernel, loop
+from debrisflow._jit import allocating_kernel, kernel, loop
 from debrisflow.errors import NotConvergedError
 from debrisflow.neighbors.pairs import BLOCK, Near
 from debrisflow.physics.operators import cofactors
@@ -139,7 +139,7 @@ def _turn(couplings, rest, beta, p):
                 p[i, a] = eased + beta * p[i, a]
 
 
-@kernel
+@allocating_kernel
 def solve(couplings, near, right, goal, most, x):
     """Solve for x, (n, m) float64 array, by conjugate gradients from the start that it holds.
 

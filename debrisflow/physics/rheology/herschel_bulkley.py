@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from debrisflow._jit import kernel
+from debrisflow._jit import allocating_kernel, kernel
 
 
 class HerschelBulkley(NamedTuple):
@@ -42,7 +42,7 @@ def yield_strength(pressure, concentration, shear_rate, law):
     return law.yield_stress
 
 
-@kernel
+@allocating_kernel
 def consistency_at(concentration, law):
     """Return K, Pa s^n, the same at each of the concentrations."""
     return law.consistency + 0.0 * concentration

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from debrisflow._jit import kernel
+from debrisflow._jit import allocating_kernel, kernel
 
 ANY_CONCENTRATION = 1.0e-9
 """Concentration from which on all of the strength is there."""
@@ -56,7 +56,7 @@ def yield_strength(pressure, concentration, shear_rate, law):
     return law.yield_stress * np.exp(law.yield_growth * concentration)
 
 
-@kernel
+@allocating_kernel
 def consistency_at(concentration, law):
     """Return ``K exp(b C)``, Pa s."""
     return law.consistency * np.exp(law.viscosity_growth * concentration)
