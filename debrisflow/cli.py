@@ -14,6 +14,7 @@ from debrisflow.errors import DebrisflowError
 from debrisflow.particles.arrays import COLORED
 
 INTERRUPTED = 130  # the exit code of a shell
+MOST_BOUNCED = 0.001  # of the particles in a step, more than which is told
 _PATH = click.Path(path_type=Path)
 
 
@@ -163,6 +164,13 @@ def _print_summary(summary: dict[str, Any], folder: Path) -> None:
     )
     if lost:
         click.echo(f"warning: {lost} particles went through a wall", err=True)
+    bounced = summary.get("bounced_share", 0.0)
+    if bounced > MOST_BOUNCED:
+        click.echo(
+            f"note: {100.0 * bounced:.2g} % of the fluid particles bounced off a wall in a step, "
+            "on the mean; what these bounces press is in no pressure",
+            err=True,
+        )
 
 
 @main.command()

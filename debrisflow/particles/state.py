@@ -48,6 +48,8 @@ class State:
         rim, and were lost through a wall.
     entered_sediment, left_sediment, through_wall_sediment : (3,) float64 array
         The volume of sediment in these, in particles.
+    particle_steps, bounces : int
+        Fluid particles summed over the steps, and how often one bounced off a wall as a surface.
     supply_columns : int
         Columns of inflow particles seeded so far.
     supply_sediment : float
@@ -72,6 +74,8 @@ class State:
     entered_sediment: Floats = field(default_factory=_sums)
     left_sediment: Floats = field(default_factory=_sums)
     through_wall_sediment: Floats = field(default_factory=_sums)
+    particle_steps: int = 0
+    bounces: int = 0
     supply_columns: int = 0
     supply_sediment: float = 0.0
     next_id: int = 0

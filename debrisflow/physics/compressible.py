@@ -276,11 +276,14 @@ def _advance_by_pairs(first, last, dt, fluid, near, numbers, velocity):
 
 
 @kernel
-def _advance_by_walls(first, last, dt, fluid, near, solid, numbers, velocity, push, reaction):
+def _advance_by_walls(
+    first, last, dt, fluid, near, solid, numbers, velocity, push, reaction, bounced
+):
     reach = numbers.collision_distance - 0.5 * near.spacing
     for i in range(first, last):
         for axis in range(3):
             push[i, axis], reaction[i, axis] = 0.0, 0.0
+        bounced[i] = False
         if face_count(i, solid) == 0:
             continue
         x, y, z, sx, sy, sz = wall_forces_at(i, fluid, near, solid, numbers)
@@ -289,7 +292,9 @@ def _advance_by_walls(first, last, dt, fluid, near, solid, numbers, velocity, pu
         u = before_u + dt * per * (x + sx)
         v = before_v + dt * per * (y + sy)
         w = before_w + dt * per * (z + sz)
-        u, v, w = rebounded(i, u, v, w, reach, numbers.restitution, solid)
+        after_u, after_v, after_w = rebounded(i, u, v, w, reach, numbers.restitution, solid)
+        bounced[i] = after_u != u or after_v != v or after_w != w
+        u, v, w = after_u, after_v, after_w
         velocity[i, 0], velocity[i, 1], velocity[i, 2] = u, v, w
         push[i, 0], push[i, 1], push[i, 2] = per * x, per * y, per * z
         reaction[i, 0] = (u - before_u) / dt
@@ -298,16 +303,18 @@ def _advance_by_walls(first, last, dt, fluid, near, solid, numbers, velocity, pu
 
 
 @loop
-def advance_velocity(dt, fluid, near, solid, numbers, velocity, push, reaction):
+def advance_velocity(dt, fluid, near, solid, numbers, velocity, push, reaction, bounced):
     """Write the velocity of every fluid particle after a time step, (n, 3) float64 array, m/s.
 
     The right side of equation (13), momentum of a weakly compressible mixture, over rho: what the
     fluid does, gravity and collisions, then the walls and the bounces off them.  Walls stand in a
     loop of their own, since a particle far from all would wait for the arguments of a call.  Also
     what the walls push a particle by with their pressure, and all that they do to it, viscosity and
-    bounces among it, (n, 3) float64 arrays, m/s2.
+    bounces among it, (n, 3) float64 arrays, m/s2, and which particles bounced, (n,) bool array.
     """
     for block in prange((velocity.shape[0] + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, velocity.shape[0])
         _advance_by_pairs(first, last, dt, fluid, near, numbers, velocity)
-        _advance_by_walls(first, last, dt, fluid, near, solid, numbers, velocity, push, reaction)
+        _advance_by_walls(
+            first, last, dt, fluid, near, solid, numbers, velocity, push, reaction, bounced
+        )

@@ -213,4 +213,7 @@ def _budgets(found: Survey) -> list[Answer]:
     kinetic = table["kinetic_energy"]
     rows.append(Answer("kinetic_energy_greatest", float(kinetic.max()), joule, "of all matter"))
     rows.append(Answer("kinetic_energy_end", _at(kinetic, -1), joule, "of all matter, at the end"))
+    bounced = found.run.summary.get("bounced_share")
+    if bounced is not None:
+        rows.append(Answer("bounced_share", bounced, "-", "of the particles, off walls in a step"))
     return rows

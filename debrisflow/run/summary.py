@@ -64,6 +64,17 @@ def summary(
         "sediment_volume": {
             way: float(sediment.sum()) * volume for way, (_, sediment) in ways.items()
         },
+        **_guard(case, state),
         "versions": {"python": platform.python_version()}
         | {name: version(name) for name in ("debrisflow", "numpy", "numba", "scipy")},
     }
+
+
+def _guard(case: ResolvedCase, state: State) -> dict[str, float]:
+    """Return which share of the fluid particles bounced off a wall in a step, on the mean.
+
+    Pressure is to keep them off walls as surfaces; what a bounce presses is in no pressure.
+    """
+    if not case.has_surfaces:
+        return {}
+    return {"bounced_share": state.bounces / max(1, state.particle_steps)}

@@ -56,6 +56,18 @@ class TestCommandLine:
         )
         subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
 
+    @pytest.mark.parametrize(("share", "told"), [(0.0009, False), (0.012, True)])
+    def test_bounces_off_walls_are_told_where_they_are_many(
+        self, tank: Path, share: float, told: bool, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        figures = {"end_reason": "end", "time": 1.0, "steps": 2, "wall_seconds": 1.0}
+        figures |= {"compile_seconds": 0.0, "through_wall": {}, "bounced_share": share}
+        monkeypatch.setattr("debrisflow.run.loop.simulate", lambda *_, **__: figures)
+
+        result = CliRunner().invoke(main, ["run", str(tank)])
+
+        assert ("1.2 % of the fluid particles bounced off a wall" in result.stderr) == told
+
     def test_schema(self) -> None:
         assert CliRunner().invoke(main, ["schema"]).stdout == case_schema()
 

@@ -269,7 +269,11 @@ def test_the_loop_over_particles_conserves_momentum(position, fluid, period):
     near, numbers = two_lists(position, LATTICE, period), numbers_of(LATTICE)
     velocity, dt, mass = np.empty((300, 3)), 0.002, densities(fluid)[:, None]
     push, reaction = np.empty((2, 300, 3))
-    compressible.advance_velocity(dt, fluid, near, NO_WALLS, numbers, velocity, push, reaction)
+    bounced = np.empty(300, dtype=np.bool_)
+    compressible.advance_velocity(
+        dt, fluid, near, NO_WALLS, numbers, velocity, push, reaction, bounced
+    )
+    assert not bounced.any()
     assert not push.any()
     assert not reaction.any()
     gained = velocity - fluid.velocity - dt * numbers.gravity

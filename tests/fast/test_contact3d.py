@@ -27,7 +27,9 @@ from tests.building import (
     no_walls,
     numbers_of,
     random_patch,
+    started,
     tank3d_case,
+    tank_case,
     two_lists,
 )
 
@@ -355,3 +357,17 @@ def test_the_survey_finds_the_fastest_and_who_is_outside(rng, count):
         velocity[count // 2, 1] = np.nan
         survey_motion(position, velocity, lower, upper, mouth, fastest, outside)
         assert fastest.max() == np.inf
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("shift", [-0.25, -0.15, 0.0])
+def test_what_is_too_near_to_a_wall_and_approaches_it_is_counted(dimension, shift):
+    case = tank_case(6, 4, "water", tank=(6, 12)) if dimension == 2 else tank3d_case()
+    scheme, state = started(case)
+    p, up, d0 = state.particles, dimension - 1, case.particles.spacing
+    lowest = p.position[p.fluid, up] < d0
+    p.position[p.fluid, up] = np.where(lowest, (0.5 + shift) * d0, p.position[p.fluid, up])
+    p.velocity[p.fluid, up] = -1.0
+    scheme.step(state, 1e-6)
+    assert state.particle_steps == p.fluid_count
+    assert state.bounces == (np.count_nonzero(lowest) if 0.5 + shift < REACH else 0)

@@ -60,6 +60,7 @@ class WallBounce(Term):
         before = step.velocity[p.fluid].copy()
         solid, velocity = step.scene.solid, step.velocity[p.fluid]
         bounce_off_walls(self._reach, self._restitution, solid, velocity)
+        step.bounced = np.any(velocity != before, axis=1)
         step.react((velocity - before) / step.dt)
 
 

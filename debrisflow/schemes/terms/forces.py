@@ -39,6 +39,7 @@ class Forces(Term):
         scene = step.scene
         fluid = fluid_of(scene, self._is_even, self._has_one_viscosity, step.pressure)
         step.reaction, step.push = np.empty((2, step.particles.fluid_count, 3))
+        step.bounced = np.empty(step.particles.fluid_count, dtype=np.bool_)
         advance_velocity(
             step.dt,
             fluid,
@@ -48,4 +49,5 @@ class Forces(Term):
             step.velocity[step.particles.fluid],
             step.push,
             step.reaction,
+            step.bounced,
         )

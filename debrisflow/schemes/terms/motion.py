@@ -52,6 +52,8 @@ class Motion(Term):
         """Move the particles; first of all, check that their velocities are finite."""
         state, p, fluid = step.state, step.particles, step.particles.fluid
         self._check(step)
+        state.particle_steps += p.fluid_count
+        state.bounces += int(np.count_nonzero(step.bounced))
         p.pressure[: step.pressure.size] = step.pressure
         if step.compression.size:
             p.compression[p.moving] = step.compression

@@ -76,6 +76,8 @@ class Step:
         What walls as surfaces do to the particles, bounces among it, summed over the terms.
     push : (fluid particles, 3) float64 array, m/s2
         What of it is by pressure.
+    bounced : (fluid particles,) bool array
+        Which of them bounced off such a wall; without rows where none can.
     compression : (moving particles,) float64 array
         rho / rho0 - 1 after the step; of a weakly compressible fluid.
     iterations : int
@@ -88,6 +90,7 @@ class Step:
     pressure: Floats
     reaction: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     push: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    bounced: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
     compression: Floats = field(default_factory=lambda: np.zeros(0))
     iterations: int = 0
 
