@@ -1,8 +1,9 @@
 """Numba's options, cache folder and threads, decided once.
 
-``kernel`` compiles a function of one particle, ``loop`` one with parallel ``prange`` loops.  The
-cache folder is named after a digest of the sources that machine code depends on, because Numba
-keeps a caller's old machine code when only a function that it calls, in another file, has changed.
+``loop`` compiles a function with parallel ``prange`` loops, ``kernel`` one that becomes part of
+such a loop, and ``allocating_kernel`` one of these that makes arrays.  The cache folder is named
+after a digest of the sources that machine code depends on, because Numba keeps a caller's old
+machine code when only a function that it calls, in another file, has changed.
 """
 
 from __future__ import annotations
@@ -34,9 +35,9 @@ _IMPORTS = re.compile(
 def kernel_sources() -> list[Path]:
     """Return the files whose change can alter machine code, in the order of their paths.
 
-    Machine code comes from the functions that ``kernel`` and ``loop`` decorate, and these can
+    Machine code comes from the functions that the three decorators compile, and these can
     refer only to what their own file defines or imports.  So the files are those that import one
-    of the decorators, and all that they import from the package, directly or not.
+    of them, and all that they import from the package, directly or not.
     """
     texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
     found = {Path(__file__)}
@@ -166,7 +167,7 @@ event.register("numba:compile", COMPILATIONS)
 
 # A loop that writes an array while it reads others is compiled twice, for arrays that may overlap
 # and for others, which round differently; a look at the addresses, which are never the same twice,
-# decides.  Without that look only sums are vectorized, and the bits are the same on every run.
+# decides.  So loops that need that look are not vectorized, and the bits are the same on every run.
 set_option("debrisflow", "-vectorize-memory-check-threshold=0")
 
 # Sums may be reassociated, the same way on every run; NaN stays detectable by comparisons, not by
@@ -182,11 +183,14 @@ KERNEL_OPTIONS = OPTIONS | {"forceinline": True, "_nrt": False}
 Their records hold tens of arrays.  A call copies all of them and counts a reference to each, up and
 down, atomically: for a particle near a wall that took three times as long as the sums themselves.
 So kernels become part of the loop that calls them, and count nothing: their arrays are those of
-that loop, which outlive them.  Such a kernel can neither make an array nor return one."""
+that loop, which outlive them.  Such a kernel makes no array, which the compiler refuses, and
+returns none, which it would not notice: the caller would free it."""
 
 kernel = numba.njit(cache=True, **KERNEL_OPTIONS)
 allocating_kernel = numba.njit(cache=True, forceinline=True, **OPTIONS)
-"""Compiles a kernel that makes arrays or returns them."""
+"""Compiles a kernel that makes arrays, or that Python code calls with arrays for arrays.
+
+What a kernel calls is compiled as the kernel is, so that it calls none of these with arrays."""
 loop = numba.njit(cache=True, parallel=True, **OPTIONS)
 
 

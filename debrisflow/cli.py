@@ -14,7 +14,7 @@ from debrisflow.errors import DebrisflowError
 from debrisflow.particles.arrays import COLORED
 
 INTERRUPTED = 130  # the exit code of a shell
-MOST_BOUNCED = 0.001  # of the particles in a step, more than which is told
+MOST_BOUNCED = 0.001  # share of the particles in a step, above which a note is printed
 _PATH = click.Path(path_type=Path)
 
 
@@ -168,7 +168,7 @@ def _print_summary(summary: dict[str, Any], folder: Path) -> None:
     if bounced > MOST_BOUNCED:
         click.echo(
             f"note: {100.0 * bounced:.2g} % of the fluid particles bounced off a wall in a step, "
-            "on the mean; what these bounces press is in no pressure",
+            "on the mean; their impulse is in the forces on walls, but in no pressure",
             err=True,
         )
 

@@ -20,9 +20,9 @@ def by_record(usual: Formula) -> Formula:
 
     That is the function of the same name in the module of the record; where it has none, or the
     module is that of ``usual``, it is ``usual``.
-    In kernels the choice is made when they are compiled, by the type of the record, so that it
-    costs nothing and Numba's cache on disk keeps it.  Python code and kernels that are not compiled
-    choose at each call.
+    In kernels, where each is compiled as ``kernel`` does, the choice is made when they are
+    compiled, by the type of the record, so that it costs nothing and Numba's cache on disk keeps
+    it.  Python code and kernels that are not compiled choose at each call.
 
     Parameters
     ----------

@@ -118,8 +118,8 @@ def append_near(itself, here, cells, lower, upper, reach2, near, listed, count):
     """Append the points of ``order[lower:upper]`` within reach of ``here`` to a list.
 
     Distances first, which vectorizes, then the list; the last place of the list takes what does
-    not count, which spares a branch.  Twice as fast as one loop, and twice again with indices that
-    have no sign, which need no look whether they count from the end.
+    not count, which spares a branch.  Twice as fast as one loop.  Indices without a sign need no
+    look whether they count from the end.
     """
     last = listed.size - 1
     for first in range(lower, upper, PIECE):

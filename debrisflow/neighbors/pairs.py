@@ -23,9 +23,8 @@ Indices = NDArray[np.int32]
 BLOCK = 256
 """Particles of a task in parallel loops.
 
-Sums run over blocks of a fixed size, and so does what does more than one operation a particle: it
-is vectorized, the rest of a task is not, and both round differently, so that otherwise the last
-digit would depend on the number of threads."""
+A fixed number: where a task began and ended, sums over particles and the ends of vectorized loops
+would round differently, and the last digit would depend on the number of threads."""
 
 
 class Near(NamedTuple):

@@ -49,7 +49,8 @@ class State:
     entered_sediment, left_sediment, through_wall_sediment : (3,) float64 array
         The volume of sediment in these, in particles.
     particle_steps, bounces : int
-        Fluid particles summed over the steps, and how often one bounced off a wall as a surface.
+        Fluid particles summed over all steps, those before a resume among them, and how often one
+        bounced off a wall as a surface.
     supply_columns : int
         Columns of inflow particles seeded so far.
     supply_sediment : float

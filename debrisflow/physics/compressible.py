@@ -307,10 +307,10 @@ def advance_velocity(dt, fluid, near, solid, numbers, velocity, push, reaction, 
     """Write the velocity of every fluid particle after a time step, (n, 3) float64 array, m/s.
 
     The right side of equation (13), momentum of a weakly compressible mixture, over rho: what the
-    fluid does, gravity and collisions, then the walls and the bounces off them.  Walls stand in a
-    loop of their own, since a particle far from all would wait for the arguments of a call.  Also
-    what the walls push a particle by with their pressure, and all that they do to it, viscosity and
-    bounces among it, (n, 3) float64 arrays, m/s2, and which particles bounced, (n,) bool array.
+    fluid does, gravity and collisions, then the walls and the bounces off them, in a loop of their
+    own, since few particles are near one.  Also what the walls push a particle by with their
+    pressure, and all that they do to it, viscosity and bounces among it, (n, 3) float64 arrays,
+    m/s2, and which particles bounced, (n,) bool array.
     """
     for block in prange((velocity.shape[0] + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, velocity.shape[0])

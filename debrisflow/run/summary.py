@@ -73,7 +73,8 @@ def summary(
 def _guard(case: ResolvedCase, state: State) -> dict[str, float]:
     """Return which share of the fluid particles bounced off a wall in a step, on the mean.
 
-    Pressure is to keep them off walls as surfaces; what a bounce presses is in no pressure.
+    Pressure is to keep them off walls as surfaces.  The impulse of a bounce is in the forces on
+    walls, but in no pressure.
     """
     if not case.has_surfaces:
         return {}

@@ -6,6 +6,8 @@ import pytest
 import debrisflow
 from debrisflow import load_case, open_run, simulate
 from debrisflow.case.loading import dump_case
+from debrisflow.results.answers import answers
+from debrisflow.results.survey import survey
 
 
 def test_a_case_is_run_and_its_results_are_read(tmp_path):
@@ -15,6 +17,8 @@ def test_a_case_is_run_and_its_results_are_read(tmp_path):
     run = open_run(str(tmp_path / "run"))
     assert run.case == case
     assert run.summary == summary
+    assert summary["bounced_share"] == 0.0
+    assert "bounced_share" in [answer.quantity for answer in answers(survey(run))]
     np.testing.assert_allclose(run.times, [0.0, 0.001, 0.002])
     assert [frame.time for frame in run.frames()] == list(run.times)
     assert run.frame(0.0009).time == 0.001

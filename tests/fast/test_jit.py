@@ -10,14 +10,16 @@ import sys
 from pathlib import Path
 
 import numba
+import numpy as np
 import pytest
+from numba import types
 from numba.core.dispatcher import Dispatcher
 
 from debrisflow import _jit
 from debrisflow._jit import COMPILATIONS, PACKAGE, kernel_sources
 from tests.building import advance, bed_case, started, tank3d_case
 
-DECORATORS = {"kernel", "loop"}
+DECORATORS = {"allocating_kernel", "kernel", "loop"}
 TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}
 ONE_KERNEL = """
 from debrisflow import _jit
@@ -69,7 +71,7 @@ def test_every_file_with_a_kernel_is_among_the_sources():
     assert decorated <= set(kernel_sources())
 
 
-def test_the_compiler_is_reached_by_the_two_decorators_alone():
+def test_the_compiler_is_reached_by_the_decorators_alone():
     # by another way a kernel would be in no digest
     for path, tree in TREES.items():
         if path.name in (
@@ -207,3 +209,40 @@ def test_compiling_is_noticed():
     once = COMPILATIONS.seconds
     double(2.0)
     assert before < once == COMPILATIONS.seconds
+
+
+def test_no_loop_lets_addresses_choose_how_it_rounds():
+    @numba.njit(**_jit.OPTIONS)
+    def multiply(one, other, product):
+        for i in range(product.size):
+            product[i] = one[i] * other[i] + 1.0
+
+    multiply(np.ones(9), np.ones(9), np.ones(9))
+    assert "vector.memcheck" not in "".join(multiply.inspect_llvm().values())
+
+
+def test_no_kernel_that_counts_no_references_returns_an_array():
+    scheme, state = started(bed_case())
+    advance(scheme, state, steps=1)
+    kernels = {
+        value
+        for name, module in sys.modules.items()
+        if name.startswith("debrisflow.")
+        for value in vars(module).values()
+        if isinstance(value, Dispatcher) and value.targetoptions.get("_nrt") is False
+    }
+    found = [
+        part
+        for kernel in kernels
+        for compiled in kernel.overloads.values()
+        for part in parts_of(compiled.signature.return_type)
+    ]
+    assert len(found) > 100
+    assert not any(isinstance(part, types.Array) for part in found)
+
+
+def parts_of(kind):
+    """Return a type, or the types that a tuple or a record is made of."""
+    if isinstance(kind, types.BaseTuple):
+        return [part for member in kind for part in parts_of(member)]
+    return [kind]

@@ -20,7 +20,9 @@ from debrisflow.particles.state import initial_state
 from debrisflow.run.folder import RunFolder
 from debrisflow.run.history import COLUMNS, history_row
 from debrisflow.run.measures import DepositProfile
+from debrisflow.run.progress import Progress
 from debrisflow.run.schedule import Schedule
+from debrisflow.run.summary import summary
 from debrisflow.run.vtu import write_particles
 
 ARRAYS = {
@@ -215,6 +217,16 @@ def test_the_log_takes_what_the_package_says_until_it_is_closed(tmp_path, case):
     folder.log.warning("too late")
     log = (tmp_path / "run.log").read_text().splitlines()
     assert [line.split(" ", 2)[2] for line in log] == ["INFO a step", "WARNING shortened"]
+
+
+@pytest.mark.parametrize(("form", "is_there"), [("stable", True), ("study", False)])
+def test_only_walls_that_are_surfaces_have_a_share_of_bounces(form, is_there):
+    case = load_case("cases/hydrostatic2d.toml", [f"scheme.form='{form}'"])
+    state = initial_state(case)
+    state.bounces, state.particle_steps = 3, 12
+    with Progress(case, state) as shown:
+        figures = summary(case, state, "end", 1, shown, {})
+    assert figures.get("bounced_share") == (0.25 if is_there else None)
 
 
 def test_the_summary_is_json(tmp_path, case):
