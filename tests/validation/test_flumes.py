@@ -78,6 +78,8 @@ def test_the_flow_of_the_flume_carries_sediment_under_water(debris_flow):
     assert 0.1 < np.mean(head) < 0.6
 
 
+# a bound that is missed and stays, see docs/limits.md; not strict, since the head's 30 particles
+# move chaotically, so that the last bits decide on which side a single time falls
 @pytest.mark.xfail(reason="at single times 30 particles of a head scatter, from 0.36 to 0.68")
 def test_the_head_of_the_flume_carries_sediment_at_any_time(debris_flow):
     for time in (6.0, 7.0, 8.0):
