@@ -25,8 +25,11 @@ from debrisflow.physics.rheology import harmonic_mean
 from debrisflow.physics.wall_push import wall_push_at
 
 Floats = NDArray[np.float64]
-INTERIOR = 0.94  # n/n0 above which the density follows the summed one
-SURFACE = 0.85  # n/n0 below which a particle is at a free surface and carries no pressure
+SURFACE = 0.85  # n/n0 below which a particle is called one of the free surface
+BENEATH, ON_TOP = 0.05, 0.10
+"""Asymmetry up to which a particle is inside the fluid, and from which on it is at its surface.
+
+Between rows under a surface, 0.01 on the lattice and 0.06 in a heap, and the surface, 0.16."""
 LEAST_COMPRESSION, GREATEST_COMPRESSION = -0.02, 0.5
 
 
@@ -39,7 +42,7 @@ class Fluid(NamedTuple):
     compression : (n,) float64 array
         s.
     pressure, total_pressure : (n,) float64 array, Pa
-        Of the mixture, 0 at a free surface; with that of colliding grains.
+        Of the mixture; with that of colliding grains.
     density : (n,) float64 array, kg/m3, or None
         Of matter that is not compressed; None where all have that of :class:`Numbers`, for which
         kernels are compiled that are a fifth faster.
@@ -105,7 +108,7 @@ def smooth_weight(weighed, r2, inverse, near):
 
 @kernel
 def density_rate_at(i, fluid, near, solid, numbers):
-    """Return n / n0, the compression that the summed density tells, and ds/dt, 1/s.
+    """Return n / n0, the compression that the summed density tells, ds/dt, 1/s, and the asymmetry.
 
         ds/dt = -(1 + s) (Ds/n0) sum of u_ij . r_ij w / r^2
                 + delta c d0 (2 Ds/(lambda n0)) sum of [s_j - s_i - (rho_ij/rho0) g . r_ij / c^2] w
@@ -113,7 +116,8 @@ def density_rate_at(i, fluid, near, solid, numbers):
     The first sum, continuity, is over fluid and walls; the second, over fluid, evens out noise
     but not the hydrostatic part, which would make the fluid sink; rho_ij is the mean density of the
     pair.  Behind a wall the fluid moves against it as it does before it, ``-2 u_i . G``: the
-    adjoint of :func:`debrisflow.physics.wall_push.wall_push_at`.
+    adjoint of :func:`debrisflow.physics.wall_push.wall_push_at`.  The asymmetry is that of what
+    surrounds the particle, solid among it: ``d0 |sum of r_ij w / r^2 + G| / n0``.
 
     References
     ----------
@@ -129,7 +133,7 @@ def density_rate_at(i, fluid, near, solid, numbers):
         numbers.gravity[2] / stiff,
     )
     s_i, rho_i = s[i], density_of(i, fluid.density, numbers)
-    n, m, flow, difference = 0.0, 1.0, 0.0, 0.0
+    n, m, flow, difference, x, y, z = 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(near.fluid_count[i]):
         j, dx, dy, dz, inverse = fluid_pair(i, k, near)
         weighed = weight(inverse, near)
@@ -137,35 +141,44 @@ def density_rate_at(i, fluid, near, solid, numbers):
         r2 = dx * dx + dy * dy + dz * dz
         m += smooth_weight(weighed, r2, inverse, near)
         along = (velocity[j, 0] - u) * dx + (velocity[j, 1] - v) * dy + (velocity[j, 2] - w) * dz
-        flow += along * weighed * inverse * inverse
+        steep = weighed * inverse * inverse
+        flow += along * steep
+        x += steep * dx
+        y += steep * dy
+        z += steep * dz
         heavy = density_of(j, fluid.density, numbers) + rho_i
         difference += (s[j] - s_i - heavy * (gx * dx + gy * dy + gz * dz)) * weighed
     wall_n, wall_m, gx, gy, gz, _, _, _, _, _, _ = wall_sums_at(i, solid)
     n += wall_n
     m += wall_m
     flow -= 2.0 * (u * gx + v * gy + w * gz)
+    x += gx
+    y += gy
+    z += gz
+    asymmetry = near.spacing * np.sqrt(x * x + y * y + z * z) / near.number_density
     spread = numbers.diffusion * numbers.sound_speed * near.spacing * laplacian_factor(near)
     rate = -(1.0 + s_i) * gradient_factor(near) * flow + spread * difference
     summed = (m / numbers.smooth_density - 1.0) / numbers.smooth_steepness
-    return n / near.number_density, summed, rate
+    return n / near.number_density, summed, rate, asymmetry
 
 
 @kernel
-def new_compression(s, rate, n, summed, relaxation, dt):
+def new_compression(s, rate, asymmetry, summed, relaxation, dt):
     """Return the compression after a time step.
 
-    In the interior, n > 0.94 n0, it follows the summed density within the relaxation time, so that
-    what continuity loses does not add up; at a free surface, n < 0.85 n0, it is 0.
+    Inside the fluid it follows the summed density within the relaxation time, so that what
+    continuity loses does not add up.  At a free surface, where the sums miss what is not there, it
+    follows continuity alone, so that a film of one row is carried by its pressure.  What tells
+    them apart is the asymmetry, not n: grains that a collapse has loosened are inside, and settle,
+    and so is a lone particle, which keeps no pressure.
 
     Examples
     --------
-    >>> [new_compression(0.0, 1.0, n, 0.02, 0.1, 0.01) for n in (1.0, 0.8)]
-    [0.012, 0.0]
+    >>> [new_compression(0.0, 1.0, asymmetry, 0.02, 0.1, 0.01) for asymmetry in (0.0, 0.2)]
+    [0.012, 0.01]
     """
-    if n < SURFACE:
-        return 0.0
-    if n > INTERIOR:
-        rate += (summed - s) / relaxation
+    inside = min(max((ON_TOP - asymmetry) / (ON_TOP - BENEATH), 0.0), 1.0)
+    rate += inside * (summed - s) / relaxation
     return min(max(s + dt * rate, LEAST_COMPRESSION), GREATEST_COMPRESSION)
 
 
@@ -181,8 +194,9 @@ def state_pressure(s, numbers):
 @kernel
 def _advance_density(first, last, dt, fluid, near, solid, numbers, n, compression, pressure):
     for i in range(first, last):
-        ratio, summed, rate = density_rate_at(i, fluid, near, solid, numbers)
-        s = new_compression(fluid.compression[i], rate, ratio, summed, numbers.relaxation, dt)
+        ratio, summed, rate, asymmetry = density_rate_at(i, fluid, near, solid, numbers)
+        before = fluid.compression[i]
+        s = new_compression(before, rate, asymmetry, summed, numbers.relaxation, dt)
         n[i] = ratio * near.number_density
         compression[i] = s
         pressure[i] = state_pressure(s, numbers)

@@ -70,7 +70,7 @@ def test_what_walls_take_from_motion_is_stored_by_compression(rng, apart):
     taken, stored = np.empty((2, 300))
     for i in range(300):
         given = acceleration_at(i, fluid, near, solid, numbers)[:3]
-        _, _, rate = compressible.density_rate_at(i, fluid, near, solid, numbers)
+        _, _, rate, _ = compressible.density_rate_at(i, fluid, near, solid, numbers)
         taken[i] = np.dot(given, fluid.velocity[i])
         stored[i] = numbers.sound_speed**2 * s / (1.0 + s) * rate
     assert np.count_nonzero(solid.faces > 1) > 20

@@ -145,19 +145,22 @@ def test_densities_and_continuity_are_the_sums_over_all_pairs(position, fluid, s
     assert_alike(found[:, 0], n / LATTICE.number_density)
     assert_alike(found[:, 1], (m / LATTICE.smooth_density - 1.0) / LATTICE.smooth_steepness)
     assert_alike(found[:, 2], -(1.0 + s) * 3.0 / LATTICE.number_density * flow + diffusion)
+    around = (r * (w / d**2)[:, :, None]).sum(axis=1) + push
+    expected = SPACING * np.linalg.norm(around, axis=1) / LATTICE.number_density
+    assert_alike(found[:, 3], expected)
 
 
 def test_the_density_of_the_lattice_is_its_reference(block):
-    n, summed, rate = middle_row(compressible.density_rate_at, block, fluid_of(len(block)))
+    n, summed, rate, asymmetry = middle_row(compressible.density_rate_at, block, fluid_of(len(block)))
     assert n == pytest.approx(1.0, rel=EXACT)
-    np.testing.assert_allclose([summed, rate], 0.0, atol=EXACT)
+    np.testing.assert_allclose([summed, rate, asymmetry], 0.0, atol=EXACT)
 
 
 @pytest.mark.parametrize("s", [0.0, 0.03])
 def test_a_uniform_expansion_thins_the_fluid_by_its_divergence(block, s):
     # sum of u_ij . r_ij w / r^2 = a n0 for u = a r
     fluid = fluid_of(len(block), velocity=0.7 * block, compression=np.full(len(block), s))
-    _, _, rate = middle_row(compressible.density_rate_at, block, fluid)
+    _, _, rate, _ = middle_row(compressible.density_rate_at, block, fluid)
     assert rate == pytest.approx(-(1.0 + s) * 3.0 * 0.7, rel=EXACT)
 
 
@@ -353,21 +356,30 @@ def test_the_equation_of_state_bears_no_tension():
     assert compressible.state_pressure(0.03, numbers) == pytest.approx(400.0 * 30.0, rel=1e-15)
 
 
-def test_the_compression_follows_continuity_and_in_the_interior_the_summed_density():
-    def after(s, n, rate=0.5, summed=0.02, dt=0.001):
-        return compressible.new_compression(s, rate, n, summed, 0.1, dt)
+def test_the_compression_follows_continuity_and_inside_the_fluid_the_summed_density():
+    def after(s, asymmetry, rate=0.5, summed=0.02, dt=0.001):
+        return compressible.new_compression(s, rate, asymmetry, summed, 0.1, dt)
 
-    assert after(0.03, 0.849) == 0.0
-    assert after(0.03, 0.9) == pytest.approx(0.03 + 0.001 * 0.5, rel=1e-15)
-    assert after(0.03, 0.95) == pytest.approx(0.03 + 0.001 * (0.5 - 0.1), rel=1e-15)
+    assert after(0.03, 0.3) == after(0.03, 0.101) == pytest.approx(0.0305, rel=1e-15)
+    assert after(0.03, 0.0) == after(0.03, 0.049) == pytest.approx(0.0304, rel=1e-15)
+    assert after(0.03, 0.075) == pytest.approx(0.03045, rel=1e-15)
     # without a rate it comes to the summed density within some relaxation times
     s = 0.03
     for _ in range(1000):
-        s = after(s, 1.0, rate=0.0)
+        s = after(s, 0.0, rate=0.0)
     assert s == pytest.approx(0.02 + 0.01 * np.exp(-10.0), rel=1e-3)  # dt is 1 % of the time
     # out of bounds it stays at them
-    assert after(0.03, 0.9, rate=1e6) == compressible.GREATEST_COMPRESSION
-    assert after(0.03, 0.9, rate=-1e6) == compressible.LEAST_COMPRESSION
+    assert after(0.03, 0.2, rate=1e6) == compressible.GREATEST_COMPRESSION
+    assert after(0.03, 0.2, rate=-1e6) == compressible.LEAST_COMPRESSION
+
+
+def test_the_asymmetry_tells_a_flat_surface_from_the_row_beneath(block):
+    """By arithmetic on the cubic lattice without the layers above, r_e = 2.4 d0."""
+    found = []
+    for rows_above in (0, 1, 2):
+        under = block[block[:, 2] < (rows_above + 0.5) * SPACING]
+        found.append(middle_row(compressible.density_rate_at, under, fluid_of(len(under)))[3])
+    assert found == pytest.approx([0.1571, 0.0095, 0.0], abs=5e-5)
 
 
 def test_the_loop_writes_density_compression_and_pressure_of_each_particle(
@@ -377,9 +389,9 @@ def test_the_loop_writes_density_compression_and_pressure_of_each_particle(
     n, s, p = np.empty((3, 300))
     compressible.advance_density(0.002, fluid, near, solid, numbers, n, s, p)
     for i, row in enumerate(rows(compressible.density_rate_at, position, fluid, solid, period)):
-        ratio, summed, rate = row
+        ratio, summed, rate, asymmetry = row
         expected = compressible.new_compression(
-            fluid.compression[i], rate, ratio, summed, numbers.relaxation, 0.002
+            fluid.compression[i], rate, asymmetry, summed, numbers.relaxation, 0.002
         )
         assert n[i] == pytest.approx(ratio * LATTICE.number_density, rel=EXACT)
         assert s[i] == pytest.approx(expected, rel=1e-11, abs=1e-14)

@@ -100,7 +100,7 @@ VECTORS, SCALARS = types.float64[:, ::1], types.float64[::1]
 
 @pytest.mark.parametrize(
     ("function", "results"),
-    [(density_rate_at, 3), (acceleration_at, 12), (velocity_gradient_at, 9)],
+    [(density_rate_at, 4), (acceleration_at, 12), (velocity_gradient_at, 9)],
     ids=lambda value: getattr(value, "__name__", ""),
 )
 def test_sums_over_neighbors_compile_for_a_gpu(kinds, function, results):
