@@ -71,9 +71,13 @@ def print_marin() -> None:
             ours, theirs = found.arrival(name), spheric.arrival(measured, name)
             click.echo(f"  {name}: at {ours:.3f} s, measured {theirs:.3f} s")
         for name in spheric.PRESSURES[:4]:
-            ours, theirs = found.impulse(name), spheric.impulse(measured, name)
+            both = (name, f"reaction_{name}")
+            fluid, wall = (found.impulse(which) / 1e3 for which in both)
+            noise, shake = (found.scatter(which) / 1e3 for which in both)
+            theirs = spheric.impulse(measured, name) / 1e3
             click.echo(
-                f"  {name}: 0.4 to 1.2 s {ours / 1e3:.2f} kPa s, measured {theirs / 1e3:.2f}"
+                f"  {name}: 0.4 to 1.2 s {fluid:.2f} kPa s by the fluid, {wall:.2f} by the "
+                f"reaction, measured {theirs:.2f}; scatter {noise:.2f} and {shake:.2f} kPa"
             )
 
 
@@ -83,7 +87,7 @@ def print_cube() -> None:
         found = mixture_cube.run(concentration)
         click.echo(
             f"B1, C = {concentration or 'none'}: front {found.front:.2f} m, n < 0.8 n0 "
-            f"{found.thin:.1%}, height {found.height:.2f} m, energy {found.energy:.4f}, "
+            f"{found.thin:.1%}, highest at {found.top:.2f} n0, energy {found.energy:.4f}, "
             f"{found.through_wall} through walls"
         )
 

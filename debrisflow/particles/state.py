@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase, tables
 from debrisflow.particles import hydrostatic_start
 from debrisflow.particles.maxima import Maxima, no_maxima
+from debrisflow.particles.patches import Patches, join
 from debrisflow.particles.record import Particles
 from debrisflow.particles.seeding import seed
 from debrisflow.particles.supply import supplied_sediment, whole_sediment
@@ -62,6 +63,10 @@ class State:
     wall_force : (walls, 6) float64 array, N, N m
         Force and its moment about the origin on each wall and obstacle in the last step, where
         walls are surfaces and a probe asks for it; else without rows.  No checkpoint holds it.
+    patches : Patches
+        Patches of walls that probes want the force on; no checkpoint holds them.
+    patch_force : (patches, 3) float64 array, N
+        On each of these in the last step, as ``wall_force``.
     """
 
     particles: Particles
@@ -82,6 +87,8 @@ class State:
     next_id: int = 0
     sums: dict[str, Floats] = field(default_factory=dict)
     wall_force: Floats = field(default_factory=lambda: np.zeros((0, 6)))
+    patches: Patches = field(default_factory=lambda: join([]))
+    patch_force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 def count_phases(

@@ -13,10 +13,32 @@ from debrisflow.neighbors.pairs import BLOCK
 Floats = NDArray[np.float64]
 MOST = 2.0  # own share of a face in what all walls push by
 COMPONENTS = 6  # force along x, y, z and its moment about the origin of the space
+ALIKE = 0.7  # least cosine between the normals of a face and of a patch that it belongs to
 
 
 @kernel
-def _add_force(i, f, x, y, z, position, solid, total):
+def share_in_patch(a, b, c, nx, ny, nz, k, patches):
+    """Return the share of the square of wall around a foot that patch k covers, 0 to 1.
+
+    Squares of particles on a lattice fill a wall, so that patches side by side share out the force
+    on it.
+    """
+    normal, half, cell = patches.normal, patches.half, patches.cell
+    if nx * normal[k, 0] + ny * normal[k, 1] + nz * normal[k, 2] < ALIKE:
+        return 0.0
+    share = 1.0
+    for axis, foot in enumerate((a, b, c)):
+        offset, reach = abs(foot - patches.center[k, axis]), half[k, axis]
+        side = 0.5 * cell[k, axis]
+        if offset >= reach + side:
+            return 0.0
+        if offset > reach - side or side > reach:
+            share *= (min(offset + side, reach) - max(offset - side, -reach)) / (2.0 * side)
+    return share
+
+
+@kernel
+def _add_force(i, f, x, y, z, position, solid, patches, total):
     """Add a force on a face of particle i, N, at the foot of the particle on it."""
     distance, nx, ny, nz, number = face_at(i, f, solid)
     a = position[i, 0] - distance * nx
@@ -29,6 +51,13 @@ def _add_force(i, f, x, y, z, position, solid, total):
     sums[3] += b * z - c * y
     sums[4] += c * x - a * z
     sums[5] += a * y - b * x
+    for k in range(patches.wall.size):
+        if patches.wall[k] == number:
+            share = share_in_patch(a, b, c, nx, ny, nz, k, patches)
+            sums = total[solid.slip.size + k]
+            sums[0] += share * x
+            sums[1] += share * y
+            sums[2] += share * z
 
 
 @kernel
@@ -46,7 +75,7 @@ def own_share(i, f, nx, ny, nz, solid):
 
 
 @kernel
-def add_forces_at(i, mass, push, reaction, position, solid, total):
+def add_forces_at(i, mass, push, reaction, position, solid, patches, total):
     """Add to the forces on the walls what particle i does to its faces.
 
     A face takes what is along its normal, the nearest face first, of the pressure its own share;
@@ -64,27 +93,31 @@ def add_forces_at(i, mass, push, reaction, position, solid, total):
             _, nx, ny, nz, _ = face_at(i, f, solid)
             pressed = min(x * nx + y * ny + z * nz, 0.0)
             x, y, z = x - pressed * nx, y - pressed * ny, z - pressed * nz
-            _add_force(i, f, pressed * nx, pressed * ny, pressed * nz, position, solid, total)
+            _add_force(
+                i, f, pressed * nx, pressed * ny, pressed * nz, position, solid, patches, total
+            )
             still = min(u * nx + v * ny + w * nz, 0.0)
             u, v, w = u - still * nx, v - still * ny, w - still * nz
             more = (own_share(i, f, nx, ny, nz, solid) - 1.0) * still
-            _add_force(i, f, more * nx, more * ny, more * nz, position, solid, total)
+            _add_force(i, f, more * nx, more * ny, more * nz, position, solid, patches, total)
             more /= 1.0 - faces
             for g in range(faces):
                 if g != f:
-                    _add_force(i, g, more * nx, more * ny, more * nz, position, solid, total)
-    _add_force(i, 0, x, y, z, position, solid, total)
+                    _add_force(
+                        i, g, more * nx, more * ny, more * nz, position, solid, patches, total
+                    )
+    _add_force(i, 0, x, y, z, position, solid, patches, total)
 
 
 @kernel
-def _add_forces(first, last, volume, density, push, reaction, position, solid, total):
+def _add_forces(first, last, volume, density, push, reaction, position, solid, patches, total):
     for i in range(first, last):
-        add_forces_at(i, volume * density[i], push, reaction, position, solid, total)
+        add_forces_at(i, volume * density[i], push, reaction, position, solid, patches, total)
 
 
 @loop
-def wall_forces(volume, density, push, reaction, position, solid, partial):
-    """Write force and moment on each wall by blocks of particles.
+def wall_forces(volume, density, push, reaction, position, solid, patches, partial):
+    """Write force and moment on each wall, and the force on each patch, by blocks of particles.
 
     Parameters
     ----------
@@ -95,15 +128,19 @@ def wall_forces(volume, density, push, reaction, position, solid, partial):
         What the walls push the fluid particles by with their pressure, and all that they do.
     position : (n, 3) float64 array, m
     solid : Boundary
-    partial : (blocks, walls, 6) float64 array, N, N m
-        Zeros; the force on a wall, and its moment about the origin, are the sums over the blocks.
+    patches : Patches
+        As :class:`debrisflow.particles.patches.Patches`.
+    partial : (blocks, walls + patches, 6) float64 array, N, N m
+        Zeros; the force on a wall, and its moment about the origin, are the sums over the blocks;
+        behind the walls come the patches, without moments.
     """
     n = density.size
     for block in prange(partial.shape[0]):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
-        _add_forces(first, last, volume, density, push, reaction, position, solid, partial[block])
+        total = partial[block]
+        _add_forces(first, last, volume, density, push, reaction, position, solid, patches, total)
 
 
-def room_for_forces(count: int, solid: Boundary) -> Floats:
-    """Return zeros, (blocks, walls, 6) array, for the forces of a number of particles."""
-    return np.zeros(((count + BLOCK - 1) // BLOCK, solid.slip.size, COMPONENTS))
+def room_for_forces(count: int, solid: Boundary, patches: int) -> Floats:
+    """Return zeros, (blocks, walls + patches, 6) array, for the forces of a number of particles."""
+    return np.zeros(((count + BLOCK - 1) // BLOCK, solid.slip.size + patches, COMPONENTS))

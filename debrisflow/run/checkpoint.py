@@ -18,7 +18,7 @@ from debrisflow.run.atomic import replaced
 # the records in a state, by the names of its fields
 PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima}
 SUMS = "sums"
-OF_A_STEP = {"wall_force"}  # what each step finds anew
+OF_A_STEP = {"wall_force", "patches", "patch_force"}  # what each step or its reader finds anew
 
 
 def save(path: Path, state: State) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
 from debrisflow.case.estimate import particle_estimate, size
+from debrisflow.case.probes.pressure import PressureProbe
 from debrisflow.case.resolved import ResolvedExplicitScheme
 from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.case.tables import EXPLICIT_RADIUS
@@ -76,6 +77,8 @@ class Forecast:
         Particle files.
     sound : Sound or None
         None in the incompressible scheme.
+    narrow : tuple of str
+        Names of the probes whose patch of wall is smaller than a spacing.
     """
 
     counts: dict[str, int]
@@ -88,6 +91,7 @@ class Forecast:
     disk: float
     frames: int
     sound: Sound | None
+    narrow: tuple[str, ...]
 
     def __str__(self) -> str:
         """Return the figures as a few readable lines."""
@@ -113,8 +117,18 @@ class Forecast:
                 f"c/u            {sound}",
                 f"steps          about {self.steps:,} at that step",
                 f"memory         {size(self.memory)}",
-                f"disk           {size(self.disk)} in {self.frames:,} particle files",
+                f"disk           {size(self.disk)} in {self.frames:,} particle files"
+                + self._probes(),
             ]
+        )
+
+    def _probes(self) -> str:
+        if not self.narrow:
+            return ""
+        patches = "has a patch" if len(self.narrow) == 1 else "have patches"
+        return (
+            f"\nwarning        {', '.join(self.narrow)} {patches} smaller than a spacing, on which "
+            "single particles press; two spacings or more scatter less"
         )
 
 
@@ -141,6 +155,12 @@ def forecast(case: ResolvedCase) -> Forecast:
         disk=float(frames * sum(counts.values()) * BYTES_ON_DISK),
         frames=frames,
         sound=_sound(case, speed, fall_speed(*space)),
+        narrow=tuple(
+            probe.name
+            for probe in case.probe
+            if isinstance(probe, PressureProbe)
+            and probe.side(case.particles.spacing) < (1.0 - 1e-9) * case.particles.spacing
+        ),
     )
 
 

@@ -193,14 +193,14 @@ def patch_shares(faces: Faces, center: Floats, size: float, case: ResolvedCase) 
     return share
 
 
-def nearest_on(faces: Faces, place: Floats, case: ResolvedCase) -> tuple[Floats, float]:
-    """Return a place moved onto the plane of the nearest face, and its distance to the face, m."""
+def nearest_on(faces: Faces, place: Floats, case: ResolvedCase) -> tuple[Floats, Floats, float]:
+    """Return a place moved onto the plane of the nearest face, its normal, and how far it is, m."""
     offset = faces.position - place
     across = np.abs(offset) - 0.5 * case.particles.spacing * np.sqrt(1.0 - faces.normal**2)
     nearest = int(np.argmin(np.linalg.norm(np.maximum(across, 0.0), axis=1)))
     distance = float(np.linalg.norm(np.maximum(across[nearest], 0.0)))
     normal = faces.normal[nearest]
-    return place + (offset[nearest] @ normal) * normal, distance
+    return place + (offset[nearest] @ normal) * normal, normal, distance
 
 
 def _cells(position: Floats, d0: float, axes: int) -> tuple[Cells, NDArray[np.bool_]]:

@@ -27,7 +27,7 @@ from debrisflow.schemes.terms.motion import Motion
 from debrisflow.schemes.terms.shear import Shear
 from debrisflow.schemes.terms.term import Step, Term
 from debrisflow.schemes.terms.viscosity import MixtureViscosity
-from debrisflow.schemes.terms.wall_forces import WallForces
+from debrisflow.schemes.terms.wall_forces import WallForces, are_asked
 from debrisflow.schemes.vicinity import ListAndSurfaces
 
 RESIDUAL = 0.01
@@ -92,7 +92,7 @@ class Explicit(Scheme):
             grains = balance(case, strength, gravity)
         self._density = Density(numbers, is_even)
         forces = Forces(numbers, is_even, is_even and not stress.enabled, not is_implicit)
-        wall_forces = WallForces() if any(p.type == "force" for p in case.probe) else None
+        wall_forces = WallForces() if are_asked(case) else None
         self._at_rest = (forces, wall_forces) if wall_forces else ()
         self._motion = Motion(case, self.domain, LARGEST_PATH)
         terms = (

@@ -15,7 +15,7 @@ from debrisflow.schemes.terms.base_friction import BaseFrictions
 from debrisflow.schemes.terms.contact import WallBounce, WallContact
 from debrisflow.schemes.terms.pressure import PressurePush
 from debrisflow.schemes.terms.term import Term
-from debrisflow.schemes.terms.wall_forces import WallForces
+from debrisflow.schemes.terms.wall_forces import WallForces, are_asked
 from debrisflow.schemes.vicinity import ListAndSurfaces
 from debrisflow.space.domain import wall_names
 
@@ -49,6 +49,6 @@ class SemiImplicit(FractionalStep):
         terms = (
             WallContact(CONTACT * self.lattice.spacing, sliding),
             held,
-            WallForces() if any(p.type == "force" for p in case.probe) else None,
+            WallForces() if are_asked(case) else None,
         )
         return tuple(term for term in terms if term is not None)

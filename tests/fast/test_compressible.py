@@ -151,7 +151,9 @@ def test_densities_and_continuity_are_the_sums_over_all_pairs(position, fluid, s
 
 
 def test_the_density_of_the_lattice_is_its_reference(block):
-    n, summed, rate, asymmetry = middle_row(compressible.density_rate_at, block, fluid_of(len(block)))
+    n, summed, rate, asymmetry = middle_row(
+        compressible.density_rate_at, block, fluid_of(len(block))
+    )
     assert n == pytest.approx(1.0, rel=EXACT)
     np.testing.assert_allclose([summed, rate, asymmetry], 0.0, atol=EXACT)
 

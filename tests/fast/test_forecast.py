@@ -61,3 +61,12 @@ def test_the_estimate_of_three_dimensions_is_near_the_count():
     case = tank3d_case(size=(1.6, 1.2, 1.0), fill=[block], obstacle=[pier])
     counted = sum(forecast(case).counts.values())
     assert particle_estimate(case)["total"] == pytest.approx(counted, rel=0.05)
+
+
+def test_a_patch_smaller_than_a_spacing_is_warned_of():
+    gauge = {"type": "pressure", "wall": "right", "x": 0.8, "y": 0.3, "z": 0.2, "interval": 0.1}
+    probes = [gauge | {"name": "small", "size": 0.09}, gauge | {"name": "even", "size": 0.1}]
+    told = str(forecast(tank3d_case(probe=probes)))
+    assert "warning        small has a patch smaller than a spacing" in told
+    assert "even" not in told
+    assert "smaller than a spacing" not in str(forecast(tank3d_case(probe=probes[1:])))

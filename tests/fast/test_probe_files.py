@@ -129,7 +129,7 @@ def test_a_place_off_a_wall_that_only_the_run_knows_is_told():
 def test_only_probes_with_a_sum_have_one_in_the_state():
     state = initial_state(probed())
     samplers(probed(), state)
-    assert state.sums.keys() == {"outlet", "inlet", "thrust"}
+    assert state.sums.keys() == {"outlet", "inlet", "thrust", "bed"}
 
 
 def test_a_sum_that_a_checkpoint_lacks_is_not_taken_as_zero():

@@ -120,7 +120,7 @@ def test_the_pressure_of_still_water_is_hydrostatic_on_a_patch(dimension, depth)
     level = 0.5 - depth
     place = {"x": 1.0, "y": level} if dimension == 2 else {"x": 1.0, "y": 0.3, "z": level}
     probe = {"type": "pressure", "wall": "right"} | place
-    (pressure,) = samples(*still_water(dimension, [probe]))
+    ((pressure, _),) = samples(*still_water(dimension, [probe]))
     # a patch that ends at the floor has its middle half a spacing above it; one at the level of
     # the water is wet by half, half a spacing below it
     mean_depth = {0.0: 0.25 * D0, 0.5: 0.5 - 0.5 * D0}.get(depth, depth)
@@ -134,7 +134,7 @@ def test_the_pressure_of_water_in_disorder_is_hydrostatic():
     p = state.particles
     p.position[p.fluid] += np.random.default_rng(1).uniform(-0.3, 0.3, (p.fluid_count, 3)) * D0
     p.pressure[p.fluid] = 1000.0 * 9.81 * (0.5 - p.position[p.fluid, 2])
-    (pressure,) = samples(case, state)
+    ((pressure, _),) = samples(case, state)
     assert pressure == pytest.approx(1000.0 * 9.81 * 0.3, rel=1e-3)
 
 
@@ -181,6 +181,17 @@ def test_the_force_of_a_shear_on_the_walls_beside_it_in_two_dimensions(strength)
         state.step += 1
     floor, ceiling = (wall.sample(state)[0] for wall in measures.values())
     np.testing.assert_allclose([floor, -ceiling], 2.0 * 0.3, rtol=0.02)
+
+
+@pytest.mark.parametrize("depth", [0.12, 0.25, 0.31])
+@pytest.mark.parametrize("size", [0.05, 0.2])
+def test_the_reaction_of_a_wall_to_still_water_on_a_lattice_is_hydrostatic(size, depth):
+    probe = {"type": "pressure", "wall": "right", "x": 1.0, "y": 0.3, "z": 0.5 - depth}
+    case, state = still_water(3, [probe | {"size": size}])
+    samplers(case, state)
+    ((pressure, reaction),) = forces_at_rest(case, state)
+    assert pressure == pytest.approx(1000.0 * 9.81 * depth, rel=1e-9)
+    assert reaction == pytest.approx(pressure, rel=0.003)
 
 
 def test_the_force_of_still_water_on_its_walls_in_three_dimensions():
@@ -280,8 +291,8 @@ def test_the_floor_of_a_bent_channel_carries_the_weight_across_it():
     state = initial_state(case)
     p, gravity = state.particles, gravity_vector(case)
     p.pressure[p.fluid] = 1000.0 * (0.1 - p.position[p.fluid, 1]) * -gravity[1]
-    (pressure,) = samples(case, state)
-    assert pressure == 0.0
+    ((pressure, reaction),) = samples(case, state)
+    assert pressure == reaction == 0.0
     faces = wall_faces(case, wall_particles(case), "floor")
     push, _ = force(faces, pressure_on(faces, case, state), 0.02, np.zeros(3))
     weight = 1000.0 * -gravity[1] * 0.1 * 0.5

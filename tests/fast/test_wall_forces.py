@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.patches import Patches, join
 from debrisflow.physics.wall_forces import room_for_forces, wall_forces
 from debrisflow.run.probes import samplers
 from debrisflow.space.domain import wall_names
@@ -19,6 +20,7 @@ from tests.building import (
 )
 
 LATTICE = reference(3, 2.4, 1.0)
+NO_PATCHES = join([])
 WALLS = ("floor", "left", "right", "front", "back")
 SLIDING = {"walls": {name: {"friction": {"law": "coulomb", "angle": 20.0}} for name in WALLS}}
 ROUGH = {"walls": {name: {"friction": {"law": "log", "roughness": 0.01}} for name in WALLS}}
@@ -34,13 +36,13 @@ CASES = {
 }
 
 
-def of_walls(position, reaction, *walls):
+def of_walls(position, reaction, *walls, patches=NO_PATCHES):
     """Return force and moment on each of several half spaces, of particles of 2 kg."""
     position, reaction = np.array(position, dtype=float), np.array(reaction, dtype=float)
     solid = planes(position, LATTICE, *walls)
-    partial = room_for_forces(len(position), solid)
+    partial = room_for_forces(len(position), solid, len(patches.wall))
     density, push = np.ones(len(position)), 0.5 * reaction
-    wall_forces(2.0, density, push, reaction, position, solid, partial)
+    wall_forces(2.0, density, push, reaction, position, solid, patches, partial)
     return partial.sum(axis=0)
 
 
@@ -65,8 +67,8 @@ def test_in_a_corner_of_a_tank_each_wall_pushes_by_its_own_and_along_the_other()
     number[1, 2, 0] = -1  # the floor covers it
     corner = corner._replace(number=number)
     solid = felt(place, LATTICE, corner, slip=(1.0, 1.0))
-    partial = room_for_forces(1, solid)
-    wall_forces(1.0, np.ones(1), pressed, pressed, place, solid, partial)
+    partial = room_for_forces(1, solid, 0)
+    wall_forces(1.0, np.ones(1), pressed, pressed, place, solid, NO_PATCHES, partial)
     floor, side = partial.sum(axis=0)[:, :3]
     np.testing.assert_allclose(floor + side, -pressed[0])
     # a fifth of the push of a plane is missing in the sum of both, and goes through the other
@@ -83,6 +85,45 @@ def test_all_walls_together_take_the_reaction_on_all_particles(rng):
     reaction[solid.row < 0] = 0.0
     found = of_walls(position, reaction, *walls)[:, :3].sum(axis=0)
     np.testing.assert_allclose(found, -2.0 * reaction.sum(axis=0), atol=1e-10)
+
+
+def patch(number, center, normal, half, cell=1.0):
+    """Return a patch of a wall, square but for its thickness of a spacing."""
+    across = np.abs(normal) > 0.5
+    extents = np.where(across, 1.0, half), np.where(across, 0.0, cell)
+    return Patches(np.array([number]), *(np.array([part]) for part in (center, normal, *extents)))
+
+
+def test_a_patch_takes_the_share_of_a_particle_whose_square_it_covers():
+    up, wall = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    patches = [
+        patch(0, [3.0, 1.0, 0.0], up, 1.0),  # covers the square of the particle
+        patch(0, [4.0, 1.0, 0.0], up, 1.0),  # one half of it
+        patch(0, [4.0, 2.25, 0.0], up, 1.0),  # half times a quarter
+        patch(0, [3.0, 1.0, 0.0], up, 0.25),  # it lies in the square: half times half
+        patch(0, [4.5, 1.0, 0.0], up, 1.0),  # beside it
+        patch(0, [3.0, 1.0, 0.0], wall, 1.0),  # of a face that looks elsewhere
+        patch(1, [3.0, 1.0, 0.0], up, 1.0),  # of another wall
+    ]
+    found = of_walls(
+        [[3.0, 1.0, 0.5]],
+        [[-1.0, 0.0, 4.0]],
+        Plane(),
+        Plane((-9.0, 0.0, 0.0), (1.0, 0.0, 0.0)),
+        patches=join(patches),
+    )
+    shares = np.array([1.0, 0.5, 0.125, 0.25, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(found[2:, :3], shares[:, None] * [2.0, 0.0, -8.0])
+
+
+def test_patches_side_by_side_share_out_the_force_on_a_wall(rng):
+    position = rng.uniform((0.5, 0.5, 0.3), (3.5, 3.5, 1.5), (200, 3))
+    reaction = rng.normal(size=position.shape)
+    sides = np.arange(0.0, 4.1, 0.8) + 0.4
+    tiles = [patch(0, [x, y, 0.0], np.array([0.0, 0.0, 1.0]), 0.4) for x in sides for y in sides]
+    found = of_walls(position, reaction, Plane(), patches=join(tiles))
+    assert np.ptp(found[1:, 2]) > 10.0
+    np.testing.assert_allclose(found[1:, :3].sum(axis=0), found[0, :3], atol=1e-11)
 
 
 @pytest.fixture
@@ -127,3 +168,17 @@ def test_a_probe_gives_the_mean_since_the_row_before():
     # the moment about (1, 0, 0) of 2 N along z is 2 N m about -y less
     np.testing.assert_allclose(found[3:6], [0.0, 3.0 + 2.0, 1.0])
     np.testing.assert_allclose(found[6:], [7.0, 0.0, 2.0])
+
+
+def test_a_patch_gives_its_mean_reaction_since_the_row_before():
+    place = {"x": 0.8, "y": 0.3, "z": 0.2, "size": 0.2, "interval": 0.1}
+    case = tank3d_case(probe=[{"name": "gauge", "type": "pressure", "wall": "right"} | place])
+    _, state = started(case)
+    (sampler,) = samplers(case, state).values()
+    assert state.patches.wall.tolist() == [wall_names(case).index("right")]
+    state.time, state.patch_force = 0.0, np.array([[3.0, 9.0, 9.0]])
+    assert sampler.sample(state)[1] == pytest.approx(3.0 / 0.2**2)  # at rest
+    for dt, push in [(0.25, 4.0), (0.75, 8.0)]:
+        state.time, state.dt, state.patch_force = state.time + dt, dt, np.array([[push, 0.0, 0.0]])
+        sampler.add_step(state)
+    assert sampler.sample(state)[1] == pytest.approx(7.0 / 0.2**2)

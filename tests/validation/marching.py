@@ -22,7 +22,7 @@ def states(case: tables.Case, interval: float = 0.0) -> Iterator[State]:
     while state.time < case.time.end:
         dt = scheme.stable_dt(state)
         scheme.step(state, dt)
-        state.time += dt
+        state.time, state.dt = state.time + dt, dt
         state.step += 1
         if interval == 0.0 or int(state.time / interval) > count:
             count = int(state.time / interval) if interval > 0.0 else 0

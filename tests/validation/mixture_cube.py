@@ -27,8 +27,8 @@ class Cube:
         x behind which 99.5 % of the particles lie at 0.8 s.
     thin : float
         Share of the particles with n < 0.8 n0 then.
-    height : float, m
-        Greatest z of a particle then.
+    top : float
+        n/n0 of the highest particle then: 0.7 on a flat surface, less in the air.
     energy : float
         Greatest kinetic, potential and elastic energy over that at the start.
     through_wall : int
@@ -36,7 +36,7 @@ class Cube:
 
     front: float
     thin: float
-    height: float
+    top: float
     energy: float
     through_wall: int
 
@@ -52,7 +52,7 @@ def run(concentration: float | None, end: float = 2.0, overrides: tuple[str, ...
     case = load_case(CASE, [*changes, *overrides])
     lattice = reference(3, case.particles.effective_radius, case.particles.spacing)
     least = THIN * lattice.number_density
-    start = greatest = height = front = thin = 0.0
+    start = greatest = top = front = thin = 0.0
     for state in states(case, 0.01):
         p = state.particles
         total = energy(case, state)
@@ -60,6 +60,7 @@ def run(concentration: float | None, end: float = 2.0, overrides: tuple[str, ...
         if state.time >= FRONT_TIME and front == 0.0:
             x = p.position[p.fluid, 0]
             front = float(np.quantile(x, FRONT_SHARE, method="inverted_cdf"))
-            height = float(p.position[p.fluid, 2].max())
-            thin = float(np.mean(p.number_density[p.fluid] < least))
-    return Cube(front, thin, height, greatest / start, int(state.through_wall.sum()))
+            n = p.number_density[p.fluid]
+            top = float(n[np.argmax(p.position[p.fluid, 2])] / lattice.number_density)
+            thin = float(np.mean(n < least))
+    return Cube(front, thin, top, greatest / start, int(state.through_wall.sum()))

@@ -91,8 +91,9 @@ class Marin:
     ----------
     series : dict
         By name the (n,) float64 arrays ``time``, s; ``h1`` to ``h4``, m, filled heights;
-        ``top_h1`` to ``top_h4``, m, contiguous heights; ``p1`` to ``p8``, Pa; all means over
-        10 ms, as those of the experiment.
+        ``top_h1`` to ``top_h4``, m, contiguous heights; ``p1`` to ``p8``, Pa, by the fluid before
+        the patch, and ``reaction_p1`` to ``reaction_p8`` by the reaction of the wall; all means
+        over 10 ms, as those of the experiment.
     through_wall, over_rim : int
         Particles that were lost.
     energy : float
@@ -119,10 +120,14 @@ class Marin:
         """Return the integral of a pressure over time, Pa s."""
         return impulse(self.series, name, start, end)
 
+    def scatter(self, name: str, start: float = 0.6, end: float = 1.2) -> float:
+        """Return the standard deviation of a series about its mean over 110 ms, Pa."""
+        return scatter(self.series, name, start, end)
+
 
 def arrival(series: dict[str, Floats], name: str) -> float:
     """Return when a level first passed 1 cm, or a pressure 1 kPa, s; nan if never."""
-    passed = series[name] > (PRESSED if name in PRESSURES else WET)
+    passed = series[name] > (WET if name in GAUGES else PRESSED)
     return float(series["time"][np.argmax(passed)]) if passed.any() else np.nan
 
 
@@ -130,6 +135,14 @@ def impulse(series: dict[str, Floats], name: str, start: float = 0.4, end: float
     """Return the integral of a pressure from one time, s, to another, Pa s."""
     time = np.linspace(start, end, 801)
     return float(np.trapezoid(np.interp(time, series["time"], series[name]), time))
+
+
+def scatter(series: dict[str, Floats], name: str, start: float = 0.6, end: float = 1.2) -> float:
+    """Return the standard deviation of a series of 10 ms means about its mean over 110 ms, Pa."""
+    time = np.arange(0.0, series["time"][-1], MEAN_OVER)
+    values = np.interp(time, series["time"], series[name])
+    about = values - np.convolve(values, np.full(11, 1.0 / 11.0), mode="same")
+    return float(np.std(about[(time >= start) & (time <= end)]))
 
 
 def means(rows: Floats, time: Floats) -> Floats:
@@ -144,16 +157,22 @@ def means(rows: Floats, time: Floats) -> Floats:
 def run(spacing: float = 0.05, end: float = 2.0, overrides: tuple[str, ...] = ()) -> Marin:
     """Run the case at a spacing and read its probes."""
     case = build(spacing, end, overrides)
-    rows, greatest, start, measures = [], 0.0, 0.0, {}
-    for state in states(case, MEAN_OVER / SAMPLES):
+    rows, greatest, start, measures, count = [], 0.0, 0.0, {}, -1
+    for state in states(case):
         measures = measures or samplers(case, state)
+        for name in PRESSURES:
+            measures[name].add_step(state)
+        if int(state.time / MEAN_OVER * SAMPLES) <= count:
+            continue
+        count = int(state.time / MEAN_OVER * SAMPLES)
         samples = {name: measures[name].sample(state) for name in (*GAUGES, *PRESSURES)}
         levels = np.array([samples[name] for name in GAUGES])
-        pressures = [samples[name][0] for name in PRESSURES]
-        rows.append([state.time, *levels[:, 1], *levels[:, 0], *pressures])
+        pressures = np.array([samples[name] for name in PRESSURES])
+        rows.append([state.time, *levels[:, 1], *levels[:, 0], *pressures.T.ravel()])
         greatest = max(greatest, energy(case, state))
         start = start or greatest
-    names = ("time", *GAUGES, *(f"top_{name}" for name in GAUGES), *PRESSURES)
+    tops, reactions = (f"top_{name}" for name in GAUGES), (f"reaction_{name}" for name in PRESSURES)
+    names = ("time", *GAUGES, *tops, *PRESSURES, *reactions)
     table = np.array(rows)
     return Marin(
         dict(zip(names, means(table, table[:, 0]).T, strict=True)),

@@ -11,6 +11,7 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probe import Probe, only_subclass
 from debrisflow.errors import OutputError
+from debrisflow.particles.patches import join
 from debrisflow.particles.seeding import wall_particles
 from debrisflow.particles.state import State
 from debrisflow.run.probe import Column, Sampler
@@ -19,7 +20,8 @@ from debrisflow.run.probe import Column, Sampler
 def samplers(case: ResolvedCase, state: State) -> dict[str, Sampler]:
     """Return the samplers of the probes of a case by the name of the probe.
 
-    At the first step of a run the running sums of the probes are put into the state.
+    At the first step of a run the running sums of the probes are put into the state, and at each
+    beginning the patches of walls whose forces they read.
 
     Raises
     ------
@@ -38,6 +40,10 @@ def samplers(case: ResolvedCase, state: State) -> dict[str, Sampler]:
         )
         for probe in case.probe
     }
+    patched = [sampler for sampler in found.values() if sampler.patch is not None]
+    for row, sampler in enumerate(patched):
+        sampler.patch_row = row
+    state.patches = join([sampler.patch for sampler in patched if sampler.patch is not None])
     for name, sampler in found.items():
         if sampler.sum_shape is None:
             continue

@@ -9,23 +9,21 @@ from debrisflow.case import ResolvedCase
 from debrisflow.case.probes.force import ForceProbe
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
+from debrisflow.run import row_mean
 from debrisflow.run.probe import Column, Sampler
 from debrisflow.run.wall_pressure import force, pressure_on, wall_faces
 from debrisflow.space.domain import wall_names
 
 Floats = NDArray[np.float64]
-IMPULSE, SAMPLED, TIME = slice(0, 6), slice(6, 12), 12  # in the running sum
 
 
 class WallForce(Sampler):
     """Force and moment on a whole wall, the means over the steps since the sample before.
 
-    What the wall does to the fluid; where walls are particles, the pressure on its faces.  The
-    running sum holds the impulses of force and moment since t = 0, these at the last sample, and
-    its time.
+    What the wall does to the fluid; where walls are particles, the pressure on its faces.
     """
 
-    sum_shape = (13,)
+    sum_shape = row_mean.sum_shape(6)
 
     def __init__(self, probe: ForceProbe, case: ResolvedCase, particles: Particles) -> None:
         self._case, self._name = case, probe.name
@@ -62,16 +60,17 @@ class WallForce(Sampler):
     def sample(self, state: State) -> tuple[float, ...]:
         """Return force, moment and impulse, N, N m, N s, in two dimensions per meter of width."""
         kept, axes = state.sums[self._name], self._case.dimension
-        elapsed = max(state.time, 0.0) - kept[TIME]
-        mean = (kept[IMPULSE] - kept[SAMPLED]) / elapsed if elapsed > 0.0 else self._push(state)
-        kept[SAMPLED], kept[TIME] = kept[IMPULSE], max(state.time, 0.0)
+        mean = row_mean.mean_since_row(kept, state, self._push(state))
         turning = mean[3:] if axes == 3 else mean[5:]
-        return (*map(float, mean[:axes]), *map(float, turning), *map(float, kept[:axes]))
+        return (
+            *map(float, mean[:axes]),
+            *map(float, turning),
+            *map(float, row_mean.integrals(kept)[:axes]),
+        )
 
     def add_step(self, state: State) -> None:
         """Add the impulse of the last step; before t = 0 nothing is added."""
-        if state.time > 0.0:
-            state.sums[self._name][IMPULSE] += state.dt * self._push(state)
+        row_mean.add_step(state.sums[self._name], state, self._push(state))
 
     def _push(self, state: State) -> Floats:
         """Return the three components of the force, N, and of its moment, N m."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.boundary import Boundary
 from debrisflow.physics.wall_forces import room_for_forces, wall_forces
 from debrisflow.schemes.terms.term import Step, Term
+
+READERS = ("force", "pressure")  # the types of probes that read them
 
 
 class WallForces(Term):
     """Keeps force and moment on each wall and obstacle: pressure, viscosity, friction, contact.
 
-    They balance the momentum of the fluid to rounding.
+    They balance the momentum of the fluid to rounding.  Also the force on each patch of the state.
     """
 
     name = "wall forces"
@@ -20,7 +23,8 @@ class WallForces(Term):
         p, scene = step.particles, step.scene
         if not isinstance(scene.solid, Boundary):
             raise TypeError("only walls that are surfaces keep their reaction")
-        partial = room_for_forces(p.fluid_count, scene.solid)
+        state, walls = step.state, scene.solid.slip.size
+        partial = room_for_forces(p.fluid_count, scene.solid, state.patches.wall.size)
         wall_forces(
             scene.near.spacing**scene.near.dimension,
             p.density[p.fluid],
@@ -28,6 +32,13 @@ class WallForces(Term):
             step.reaction,
             p.position[p.fluid],
             scene.solid,
+            state.patches,
             partial,
         )
-        step.state.wall_force = partial.sum(axis=0)
+        forces = partial.sum(axis=0)
+        state.wall_force, state.patch_force = forces[:walls], forces[walls:, :3]
+
+
+def are_asked(case: ResolvedCase) -> bool:
+    """Return whether a probe of the case reads what fluid does to walls."""
+    return any(probe.type in READERS for probe in case.probe)
