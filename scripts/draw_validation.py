@@ -38,7 +38,8 @@ def draw_marin(runs: dict[float, spheric.Marin], file: Path) -> None:
         axes.plot(measured["time"], unit * measured[name], "k", lw=0.9, label="measured")
         for color, (spacing, run) in zip(COLORS, runs.items(), strict=False):
             label = f"d0 = {1000 * spacing:.0f} mm"
-            axes.plot(run.series["time"], unit * run.series[name], color, lw=0.8, label=label)
+            ours = run.series[f"reaction_{name}" if is_pressure else name]
+            axes.plot(run.series["time"], unit * ours, color, lw=0.8, label=label)
         axes.set_title(name.upper(), fontsize=9, loc="left", pad=2)
         axes.set_ylabel("pressure (kPa)" if is_pressure else "water level (m)")
         axes.set_ylim(0.0, LARGEST_PRESSURE if is_pressure else 0.6)

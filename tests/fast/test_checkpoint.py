@@ -39,6 +39,8 @@ def identical(one, other):
             same = a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
         elif isinstance(a, dict):
             same = a.keys() == b.keys() and all(a[key].tobytes() == b[key].tobytes() for key in a)
+        elif isinstance(a, tuple):
+            same = all(x.tobytes() == y.tobytes() for x, y in zip(a, b, strict=True))
         elif isinstance(a, int | float):
             same = type(a) is type(b) and a == b
         else:
