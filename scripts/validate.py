@@ -2,7 +2,7 @@
 
 python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
                            [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube] [heap]
-                           [film3d] [deposit3d] [dams] [ground3d] [st_helens]
+                           [film3d] [deposit3d] [dams] [ground3d] [st_helens] [impact]
 
 ``fine_flume`` takes about an hour, ``marin`` and ``heap`` half an hour, ``collapse`` and ``flume``
 about ten minutes, the others five or less each.
@@ -30,6 +30,7 @@ from tests.validation import (
     flume,
     granular_shear,
     hydrostatic,
+    impact,
     rough_film,
     settling,
     viscous,
@@ -94,6 +95,32 @@ def print_dam_break() -> None:
         f"dam break, 32 across, 2 s: energy {splash.energy.max():.4f}, "
         f"{splash.state.through_wall.sum()} through walls, {splash.state.left.sum()} over the rim"
     )
+
+
+def print_impact() -> None:
+    """Print depths, arrivals and pressures of the dam break against a wall."""
+    measured = impact.experiment()
+    for spacing in (0.02, 0.01):
+        found = impact.run(spacing)
+        time = found.series["time"]
+        click.echo(f"impact, d0 = {spacing} m: energy {found.energy:.4f}, {found.lost} lost")
+        for name in impact.GAUGES:
+            ours, theirs = (
+                impact.arrival(*series, impact.WET)
+                for series in ((time, found.series[name]), measured[name].T)
+            )
+            error = 100.0 * found.level_error(name)
+            click.echo(f"  {name}: rms {error:.1f} cm; at {ours:.3f} s, measured {theirs:.3f} s")
+        for name in ("p2", "reaction_p2"):
+            raw = found.series[name]
+            calm = impact.smoothed(time, raw)
+            click.echo(
+                f"  {name}: at {impact.arrival(time, calm, impact.PRESSED):.3f} s, mean over "
+                f"{impact.PLATEAU} s {impact.mean(time, raw, *impact.PLATEAU) / 1e3:.2f} kPa, "
+                f"first peak {raw[time < impact.FIRST].max() / 1e3:.2f} kPa"
+            )
+        theirs = impact.mean(*measured["p2"].T, *impact.PLATEAU)
+        click.echo(f"  measured: mean {theirs / 1e3:.2f} kPa")
 
 
 def print_shear() -> None:
@@ -285,6 +312,7 @@ PARTS: dict[str, Callable[[], None]] = {
     "still": print_still,
     "viscous": print_viscous,
     "dam_break": print_dam_break,
+    "impact": print_impact,
     "shear": print_shear,
     "settling": print_settling,
     "collapse": print_collapse,

@@ -10,6 +10,7 @@ from tests.validation import (
     dam_break,
     granular_shear,
     hydrostatic,
+    impact,
     rough_film,
     settling,
     slurry_film,
@@ -270,3 +271,23 @@ def test_a_film_of_slurry_or_dry_grains_has_its_profile(law):
 )
 def test_a_layer_below_its_yield_stays(law, slope):
     assert slurry_film.creep(law, slope) < 0.1
+
+
+@pytest.fixture(scope="module")
+def struck() -> impact.Impact:
+    return impact.run(0.02)
+
+
+def test_a_dam_break_reaches_a_wall_as_measured(struck):
+    assert struck.lost == 0
+    assert struck.energy < 1.005
+    assert struck.level_error("h2") < 0.02
+
+
+# a bound that is missed and stays, see docs/validation.md: 21 % at half the spacing
+@pytest.mark.xfail(strict=True, reason="27 %: the jet up the wall is three particles thick")
+def test_the_pressure_on_a_wall_after_an_impact_is_that_measured(struck):
+    measured = impact.mean(*impact.experiment()["p2"].T, *impact.PLATEAU)
+    series = struck.series
+    ours = impact.mean(series["time"], series["reaction_p2"], *impact.PLATEAU)
+    assert ours == pytest.approx(measured, rel=0.20)
