@@ -87,7 +87,7 @@ def print_cube() -> None:
         found = mixture_cube.run(concentration)
         click.echo(
             f"B1, C = {concentration or 'none'}: front {found.front:.2f} m, n < 0.8 n0 "
-            f"{found.thin:.1%}, highest at {found.top:.2f} n0, energy {found.energy:.4f}, "
+            f"{found.thin:.1%}, spray {found.spray:.2%}, energy {found.energy:.4f}, "
             f"{found.through_wall} through walls"
         )
 

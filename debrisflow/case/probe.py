@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from math import hypot
-from typing import Any, NamedTuple, Self, TypeVar
+from typing import Any, ClassVar, NamedTuple, Self, TypeVar
 
 from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.fields import NONE, Table, quantity
@@ -127,6 +127,9 @@ def _distance_to_box(place: tuple[float, float, float], box: BoxObstacle) -> flo
 class Probe(Table):
     """What all probes have; a probe is a table like this, see :mod:`debrisflow.case.probes`."""
 
+    reads_reactions: ClassVar[bool] = False
+    """Whether it reads what the walls do to the fluid."""
+
     name: str = quantity(
         NONE,
         "name of the probe, and of its file probes/NAME.csv; small letters, digits and _",
@@ -144,6 +147,10 @@ class Probe(Table):
     def complete(self, spacing: float) -> Self:
         """Return the probe with the fields filled in that follow from the spacing, m."""
         return self
+
+    def warning(self, spacing: float) -> str:
+        """Return what makes its answer poor at a spacing, m; empty if nothing does."""
+        return ""
 
     def where(self) -> str:
         """Return the place of the probe as in the case file: ``x = 0.5, size = 0.04``."""

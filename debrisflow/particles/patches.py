@@ -1,4 +1,8 @@
-"""Patches of walls, whose share in the forces on walls each step finds."""
+"""Patches of walls: squares whose share in the forces on walls each step finds.
+
+A particle presses on the square of wall, d0 wide, around its foot, and so does a face of a wall as
+its cells draw it; a patch takes the share of each square that it covers.
+"""
 
 from __future__ import annotations
 
@@ -9,33 +13,106 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+ALIKE = 0.7
+"""Least cosine between the normals of a patch and of what belongs to it: on the slopes of a floor
+that bends, but not on the next side of a box."""
+
+
+class Patch(NamedTuple):
+    """A square patch on a wall.
+
+    Attributes
+    ----------
+    wall : int
+        Number of the wall or obstacle.
+    center, normal : (3,) float64 array, m, -
+        Middle, and unit normal out of the wall.
+    size : float, m
+        Side of the square; in two dimensions the width of the strip.
+    """
+
+    wall: int
+    center: Floats
+    normal: Floats
+    size: float
 
 
 class Patches(NamedTuple):
-    """Rectangles on walls along the axes.
+    """Patches as kernels read them.
 
     Attributes
     ----------
     wall : (n,) int64 array
-        Number of the wall or obstacle.
-    center, normal : (n, 3) float64 array, m, -
-        Middle, and unit normal out of the wall.
+    center : (n, 3) float64 array, m
+    frame : (n, 3, 3) float64 array
+        Normal and two tangents.
     half : (n, 3) float64 array, m
-        Half of the extent along each axis; infinite along an axis that the space lacks; along the
-        normal how far off the plane of the patch a place may be.
-    cell : (n, 3) float64 array, m
-        Extent along each axis of the square of wall that a particle presses on; 0 along the normal.
+        Half of the extent along each of these; infinite along an axis that the space lacks.
+    period : (2, 3) float64 array, m, 1/m
+        Period along each axis and its inverse, 0 where there is none.
+    cell, alike : float, m, -
+        Side of the square of a particle; ALIKE.
     """
 
     wall: NDArray[np.int64]
     center: Floats
-    normal: Floats
+    frame: Floats
     half: Floats
-    cell: Floats
+    period: Floats
+    cell: float
+    alike: float
 
 
-def join(patches: Sequence[Patches]) -> Patches:
-    """Return all patches in one record."""
-    if not patches:
-        return Patches(np.zeros(0, dtype=np.int64), *np.zeros((4, 0, 3)))
-    return Patches(*(np.concatenate(parts) for parts in zip(*patches, strict=True)))
+def patches_of(patches: Sequence[Patch], spacing: float, dimension: int, period: Floats) -> Patches:
+    """Return patches in one record; the spacing d0 and the period in m."""
+    normal = np.array([patch.normal for patch in patches]).reshape(-1, 3)
+    half = np.array([0.5 * patch.size for patch in patches])[:, None].repeat(3, axis=1)
+    half[:, 0] = 0.5 * spacing * (1.0 + 1e-6)  # rounding
+    half[:, dimension:] = np.inf
+    return Patches(
+        np.array([patch.wall for patch in patches], dtype=np.int64),
+        np.array([patch.center for patch in patches]).reshape(-1, 3),
+        _frames(normal, dimension),
+        half,
+        np.stack([period, np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)]),
+        spacing,
+        ALIKE,
+    )
+
+
+def no_patches() -> Patches:
+    """Return a record without patches."""
+    return patches_of([], 1.0, 3, np.zeros(3))
+
+
+def shares(k: int, patches: Patches, position: Floats, normal: Floats) -> Floats:
+    """Return the share of the squares of wall around places that patch k covers, 0 to 1.
+
+    As :func:`debrisflow.physics.wall_forces.share_in_patch`, for many places.
+
+    Parameters
+    ----------
+    k : int
+    patches : Patches
+    position, normal : (m, 3) float64 array, m, -
+        Of places on the same wall.
+
+    Returns
+    -------
+    (m,) float64 array
+    """
+    offset = position - patches.center[k]
+    offset -= patches.period[0] * np.rint(offset * patches.period[1])
+    along, half, side = np.abs(offset @ patches.frame[k].T), patches.half[k], 0.5 * patches.cell
+    covered = np.minimum(along + side, half) - np.maximum(along - side, -half)
+    share = np.clip(covered[:, 1:] / (2.0 * side), 0.0, 1.0).prod(axis=1)
+    is_on = (along[:, 0] < half[0]) & (normal @ patches.frame[k, 0] >= patches.alike)
+    return np.where(is_on, share, 0.0)
+
+
+def _frames(normal: Floats, dimension: int) -> Floats:
+    """Return normals, each with two tangents; the second is the axis that the space lacks."""
+    least = np.abs(normal).argmin(axis=1) if dimension == 3 else np.full(len(normal), 2)
+    across = np.eye(3)[least] - normal * np.take_along_axis(normal, least[:, None], axis=1)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    return np.stack([normal, np.cross(across, normal), across], axis=1)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase, tables
 from debrisflow.particles import hydrostatic_start
 from debrisflow.particles.maxima import Maxima, no_maxima
-from debrisflow.particles.patches import Patches, join
+from debrisflow.particles.patches import Patches, no_patches
 from debrisflow.particles.record import Particles
 from debrisflow.particles.seeding import seed
 from debrisflow.particles.supply import supplied_sediment, whole_sediment
@@ -87,7 +87,7 @@ class State:
     next_id: int = 0
     sums: dict[str, Floats] = field(default_factory=dict)
     wall_force: Floats = field(default_factory=lambda: np.zeros((0, 6)))
-    patches: Patches = field(default_factory=lambda: join([]))
+    patches: Patches = field(default_factory=no_patches)
     patch_force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
 

@@ -169,8 +169,8 @@ def new_compression(s, rate, asymmetry, summed, relaxation, dt):
     Inside the fluid it follows the summed density within the relaxation time, so that what
     continuity loses does not add up.  At a free surface, where the sums miss what is not there, it
     follows continuity alone, so that a film of one row is carried by its pressure.  What tells
-    them apart is the asymmetry, not n: grains that a collapse has loosened are inside, and settle,
-    and so is a lone particle, which keeps no pressure.
+    them apart is the asymmetry, not n: grains that a collapse has loosened are inside, and settle.
+    A lone particle is inside too, and so keeps no pressure.
 
     Examples
     --------

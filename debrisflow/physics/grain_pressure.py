@@ -28,9 +28,9 @@ def balance_weight(inverse, near):
 def covered_depth_at(i, gravity, near):
     """Return what a free-surface particle has to carry of the rows above its center, m.
 
-    Half of its own row, and what its row lies nearer than d0 to the row below: the pressure of the
-    fluid lets the uppermost row sink by about a quarter of a spacing, and that much of the weight
-    would be missing in every row below.
+    Half of its own row, and what its row lies nearer than d0 to the row below: where the pressure
+    of the fluid lets the uppermost row sink, that much of the weight would be missing in every row
+    below.
 
     Along gravity, since the normal of a row as uneven as that of a bed is known to some ten degrees
     only, and loads along it come out a third of a row too small.  On an even surface at an angle

@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.boundary import Boundary, face_at, face_count, wall_sums_at
-from debrisflow.neighbors.pairs import BLOCK
+from debrisflow.neighbors.pairs import BLOCK, to_nearest_image
 
 Floats = NDArray[np.float64]
 MOST = 2.0  # own share of a face in what all walls push by
 COMPONENTS = 6  # force along x, y, z and its moment about the origin of the space
-ALIKE = 0.7  # least cosine between the normals of a face and of a patch that it belongs to
 
 
 @kernel
@@ -23,17 +22,19 @@ def share_in_patch(a, b, c, nx, ny, nz, k, patches):
     Squares of particles on a lattice fill a wall, so that patches side by side share out the force
     on it.
     """
-    normal, half, cell = patches.normal, patches.half, patches.cell
-    if nx * normal[k, 0] + ny * normal[k, 1] + nz * normal[k, 2] < ALIKE:
+    frame, half, side = patches.frame, patches.half, 0.5 * patches.cell
+    dx, dy, dz = a - patches.center[k, 0], b - patches.center[k, 1], c - patches.center[k, 2]
+    dx, dy, dz = to_nearest_image(dx, dy, dz, patches.period)
+    ux, uy, uz = frame[k, 0, 0], frame[k, 0, 1], frame[k, 0, 2]
+    off = abs(dx * ux + dy * uy + dz * uz)
+    if off >= half[k, 0] or nx * ux + ny * uy + nz * uz < patches.alike:
         return 0.0
     share = 1.0
-    for axis, foot in enumerate((a, b, c)):
-        offset, reach = abs(foot - patches.center[k, axis]), half[k, axis]
-        side = 0.5 * cell[k, axis]
-        if offset >= reach + side:
-            return 0.0
-        if offset > reach - side or side > reach:
-            share *= (min(offset + side, reach) - max(offset - side, -reach)) / (2.0 * side)
+    for axis in range(1, 3):
+        along = abs(dx * frame[k, axis, 0] + dy * frame[k, axis, 1] + dz * frame[k, axis, 2])
+        reach = half[k, axis]
+        covered = (min(along + side, reach) - max(along - side, -reach)) / (2.0 * side)
+        share *= min(max(covered, 0.0), 1.0)
     return share
 
 

@@ -18,7 +18,7 @@ from debrisflow.run.atomic import replaced
 # the records in a state, by the names of its fields
 PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima}
 SUMS = "sums"
-OF_A_STEP = {"wall_force", "patches", "patch_force"}  # what each step or its reader finds anew
+NOT_KEPT = {"wall_force", "patches", "patch_force"}  # what each step, or who reads it, finds anew
 
 
 def save(path: Path, state: State) -> None:
@@ -66,7 +66,7 @@ def load(path: Path) -> State:
 
 def _put(group: h5py.Group, record: State | Particles | Maxima) -> None:
     for field in fields(record):
-        if field.name in OF_A_STEP:
+        if field.name in NOT_KEPT:
             continue
         value = getattr(record, field.name)
         if field.name in PARTS:
@@ -91,7 +91,7 @@ def _taken(group: h5py.Group, record: type[Any]) -> dict[str, Any]:
     """Return the arrays and scalars of a group; a missing one is an error, never a default."""
     arrays = {name: item[()] for name, item in group.items() if isinstance(item, h5py.Dataset)}
     found = arrays | {name: value.item() for name, value in group.attrs.items()}
-    expected = {field.name for field in fields(record)} - PARTS.keys() - {SUMS} - OF_A_STEP
+    expected = {field.name for field in fields(record)} - PARTS.keys() - {SUMS} - NOT_KEPT
     for names, word in ((expected - found.keys(), "lacks"), (found.keys() - expected, "has")):
         if names:
             raise KeyError(f"it {word} {', '.join(sorted(names))}")

@@ -10,7 +10,6 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
 from debrisflow.case.estimate import particle_estimate, size
-from debrisflow.case.probes.pressure import PressureProbe
 from debrisflow.case.resolved import ResolvedExplicitScheme
 from debrisflow.case.speeds import fall_speed, given_speed
 from debrisflow.case.tables import EXPLICIT_RADIUS
@@ -77,8 +76,8 @@ class Forecast:
         Particle files.
     sound : Sound or None
         None in the incompressible scheme.
-    narrow : tuple of str
-        Names of the probes whose patch of wall is smaller than a spacing.
+    poor : dict of str to list of str
+        Names of the probes whose answer will be poor, by the reason.
     """
 
     counts: dict[str, int]
@@ -91,7 +90,7 @@ class Forecast:
     disk: float
     frames: int
     sound: Sound | None
-    narrow: tuple[str, ...]
+    poor: dict[str, list[str]]
 
     def __str__(self) -> str:
         """Return the figures as a few readable lines."""
@@ -123,12 +122,8 @@ class Forecast:
         )
 
     def _probes(self) -> str:
-        if not self.narrow:
-            return ""
-        patches = "has a patch" if len(self.narrow) == 1 else "have patches"
-        return (
-            f"\nwarning        {', '.join(self.narrow)} {patches} smaller than a spacing, on which "
-            "single particles press; two spacings or more scatter less"
+        return "".join(
+            f"\nwarning        {', '.join(names)}: {text}" for text, names in self.poor.items()
         )
 
 
@@ -155,13 +150,17 @@ def forecast(case: ResolvedCase) -> Forecast:
         disk=float(frames * sum(counts.values()) * BYTES_ON_DISK),
         frames=frames,
         sound=_sound(case, speed, fall_speed(*space)),
-        narrow=tuple(
-            probe.name
-            for probe in case.probe
-            if isinstance(probe, PressureProbe)
-            and probe.side(case.particles.spacing) < (1.0 - 1e-9) * case.particles.spacing
-        ),
+        poor=_poor(case),
     )
+
+
+def _poor(case: ResolvedCase) -> dict[str, list[str]]:
+    """Return the names of the probes that warn, by what they say."""
+    found: dict[str, list[str]] = {}
+    for probe in case.probe:
+        if text := probe.warning(case.particles.spacing):
+            found.setdefault(text, []).append(probe.name)
+    return found
 
 
 def _sound(case: ResolvedCase, speed: float, fall: float) -> Sound | None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probe import Probe
-from debrisflow.particles.patches import Patches
+from debrisflow.particles.patches import Patch
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
 from debrisflow.run.tables import Series
@@ -66,12 +66,14 @@ class Sampler:
     sum_shape : tuple of int or None
         Shape of the running sum, a float64 array that starts at 0 and is kept in
         ``state.sums[probe.name]``; None for a probe without one.
-    patch : Patches or None
-        The patch of wall whose force it reads, and its row in ``state.patch_force``.
+    patch : Patch or None
+        The patch of wall whose force it reads.
+    patch_row : int
+        Its row in ``state.patch_force``.
     """
 
     sum_shape: tuple[int, ...] | None = None
-    patch: Patches | None = None
+    patch: Patch | None = None
     patch_row = 0
 
     def __init__(self, probe: Probe, case: ResolvedCase, particles: Particles) -> None:

@@ -7,6 +7,7 @@ represents, and therefore the same force.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase, shapes, tables
 from debrisflow.case.shapes import plain_of
+from debrisflow.particles.patches import Patch, Patches, patches_of
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import State
 from debrisflow.space.bodies import are_among
@@ -173,24 +175,9 @@ def force(faces: Faces, pressure: Floats, area: float, about: Floats) -> tuple[F
     return pushes.sum(axis=0), np.cross(faces.position - about, pushes).sum(axis=0)
 
 
-def patch_shares(faces: Faces, center: Floats, size: float, case: ResolvedCase) -> Floats:
-    """Return how much of each face lies in a square patch of the surface, (n,) array, 0 to 1.
-
-    For a face that is level with the center of the patch, within half a spacing along its normal,
-    this is the part of its square that the patch covers; for others it is 0.
-    """
-    d0, axes = case.particles.spacing, case.dimension
-    share = np.ones(len(faces.position))
-    for axis in range(axes):
-        tilt = np.abs(faces.normal[:, axis])
-        across = tilt > np.sqrt(0.5)
-        # half the side of the face, and of the patch; none is thinner than rounding
-        half = np.maximum(0.5 * d0 * np.sqrt(np.maximum(1.0 - tilt**2, 0.0)), 1e-6 * d0)
-        patch = np.where(across, (0.5 + 1e-6) * d0 + half, 0.5 * size)
-        offset = faces.position[:, axis] - center[axis]
-        covered = np.minimum(offset + half, patch) - np.maximum(offset - half, -patch)
-        share *= np.clip(covered / (2.0 * half), 0.0, 1.0)
-    return share
+def patches_in(case: ResolvedCase, patches: Sequence[Patch]) -> Patches:
+    """Return patches in one record, in the space of a case."""
+    return patches_of(patches, case.particles.spacing, case.dimension, domain(case).period)
 
 
 def nearest_on(faces: Faces, place: Floats, case: ResolvedCase) -> tuple[Floats, Floats, float]:

@@ -40,7 +40,8 @@ def identical(one, other):
         elif isinstance(a, dict):
             same = a.keys() == b.keys() and all(a[key].tobytes() == b[key].tobytes() for key in a)
         elif isinstance(a, tuple):
-            same = all(x.tobytes() == y.tobytes() for x, y in zip(a, b, strict=True))
+            pairs = zip(a, b, strict=True)
+            same = all(np.asarray(x).tobytes() == np.asarray(y).tobytes() for x, y in pairs)
         elif isinstance(a, int | float):
             same = type(a) is type(b) and a == b
         else:

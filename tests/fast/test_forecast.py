@@ -65,8 +65,8 @@ def test_the_estimate_of_three_dimensions_is_near_the_count():
 
 def test_a_patch_smaller_than_a_spacing_is_warned_of():
     gauge = {"type": "pressure", "wall": "right", "x": 0.8, "y": 0.3, "z": 0.2, "interval": 0.1}
-    probes = [gauge | {"name": "small", "size": 0.09}, gauge | {"name": "even", "size": 0.1}]
+    sizes = {"wide": 0.1, "small": 0.09, "tiny": 0.02}
+    probes = [gauge | {"name": name, "size": size} for name, size in sizes.items()]
     told = str(forecast(tank3d_case(probe=probes)))
-    assert "warning        small has a patch smaller than a spacing" in told
-    assert "even" not in told
-    assert "smaller than a spacing" not in str(forecast(tank3d_case(probe=probes[1:])))
+    assert "warning        small, tiny: patch smaller than a spacing" in told
+    assert "warning" not in str(forecast(tank3d_case(probe=probes[:1])))

@@ -7,6 +7,7 @@ import pytest
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
+from debrisflow.errors import CaseError
 from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import wall_particles
@@ -192,6 +193,25 @@ def test_the_reaction_of_a_wall_to_still_water_on_a_lattice_is_hydrostatic(size,
     ((pressure, reaction),) = forces_at_rest(case, state)
     assert pressure == pytest.approx(1000.0 * 9.81 * depth, rel=1e-9)
     assert reaction == pytest.approx(pressure, rel=0.003)
+
+
+def test_the_reaction_at_the_edge_of_a_box_is_that_of_its_side():
+    box = {"type": "box", "name": "block", "x": [0.4, 0.6], "y": [0.0, 0.6], "z": [0.0, 0.2]}
+    place = {"x": 0.4, "y": 0.3, "z": 0.175, "size": 0.05}
+    probe = {"type": "pressure", "wall": "block"} | place
+    case, state = still_water(3, [probe], obstacle=[box])
+    samplers(case, state)
+    ((pressure, reaction),) = forces_at_rest(case, state)
+    assert pressure == pytest.approx(1000.0 * 9.81 * 0.325, rel=1e-9)
+    assert 0.8 < reaction / pressure < 1.0  # a rim a fifth of a spacing wide carries nothing
+
+
+def test_a_patch_that_covers_nothing_of_a_wall_is_refused():
+    box = {"type": "box", "name": "block", "x": [0.4, 0.6], "y": [0.2, 0.4], "z": [0.0, 0.2]}
+    place = {"x": 0.37, "y": 0.165, "z": 0.1, "size": 0.02}
+    case, state = still_water(3, [{"type": "pressure", "wall": "block"} | place], obstacle=[box])
+    with pytest.raises(CaseError, match=r"a patch of 0\.02 m there covers nothing of block"):
+        samplers(case, state)
 
 
 def test_the_force_of_still_water_on_its_walls_in_three_dimensions():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from debrisflow.neighbors.lattice import reference
-from debrisflow.particles.patches import Patches, join
-from debrisflow.physics.wall_forces import room_for_forces, wall_forces
+from debrisflow.particles.patches import Patch, no_patches, patches_of, shares
+from debrisflow.physics.wall_forces import room_for_forces, share_in_patch, wall_forces
 from debrisflow.run.probes import samplers
 from debrisflow.space.domain import wall_names
 from tests.building import (
@@ -20,7 +20,7 @@ from tests.building import (
 )
 
 LATTICE = reference(3, 2.4, 1.0)
-NO_PATCHES = join([])
+NO_PATCHES = no_patches()
 WALLS = ("floor", "left", "right", "front", "back")
 SLIDING = {"walls": {name: {"friction": {"law": "coulomb", "angle": 20.0}} for name in WALLS}}
 ROUGH = {"walls": {name: {"friction": {"law": "log", "roughness": 0.01}} for name in WALLS}}
@@ -87,43 +87,66 @@ def test_all_walls_together_take_the_reaction_on_all_particles(rng):
     np.testing.assert_allclose(found, -2.0 * reaction.sum(axis=0), atol=1e-10)
 
 
-def patch(number, center, normal, half, cell=1.0):
-    """Return a patch of a wall, square but for its thickness of a spacing."""
-    across = np.abs(normal) > 0.5
-    extents = np.where(across, 1.0, half), np.where(across, 0.0, cell)
-    return Patches(np.array([number]), *(np.array([part]) for part in (center, normal, *extents)))
+def of_patches(*patches, period=(0.0, 0.0, 0.0), dimension=3):
+    """Return patches of (wall, center, normal, size) where particles are 1 m apart."""
+    found = [Patch(wall, np.array(c), np.array(n), size) for wall, c, n, size in patches]
+    return patches_of(found, 1.0, dimension, np.array(period))
 
 
 def test_a_patch_takes_the_share_of_a_particle_whose_square_it_covers():
-    up, wall = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-    patches = [
-        patch(0, [3.0, 1.0, 0.0], up, 1.0),  # covers the square of the particle
-        patch(0, [4.0, 1.0, 0.0], up, 1.0),  # one half of it
-        patch(0, [4.0, 2.25, 0.0], up, 1.0),  # half times a quarter
-        patch(0, [3.0, 1.0, 0.0], up, 0.25),  # it lies in the square: half times half
-        patch(0, [4.5, 1.0, 0.0], up, 1.0),  # beside it
-        patch(0, [3.0, 1.0, 0.0], wall, 1.0),  # of a face that looks elsewhere
-        patch(1, [3.0, 1.0, 0.0], up, 1.0),  # of another wall
-    ]
+    up, aside = [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]
+    patches = of_patches(
+        (0, [3.0, 1.0, 0.0], up, 2.0),  # covers the square of the particle
+        (0, [4.0, 1.0, 0.0], up, 2.0),  # one half of it
+        (0, [4.0, 2.25, 0.0], up, 2.0),  # half times a quarter
+        (0, [3.0, 1.0, 0.0], up, 0.5),  # it lies in the square: half times half
+        (0, [4.5, 1.0, 0.0], up, 2.0),  # beside it
+        (0, [3.0, 1.0, 0.6], up, 2.0),  # over it
+        (0, [3.0, 1.0, 0.0], aside, 2.0),  # of a face that looks elsewhere
+        (1, [3.0, 1.0, 0.0], up, 2.0),  # of another wall
+    )
     found = of_walls(
         [[3.0, 1.0, 0.5]],
         [[-1.0, 0.0, 4.0]],
         Plane(),
         Plane((-9.0, 0.0, 0.0), (1.0, 0.0, 0.0)),
-        patches=join(patches),
+        patches=patches,
     )
-    shares = np.array([1.0, 0.5, 0.125, 0.25, 0.0, 0.0, 0.0])
-    np.testing.assert_allclose(found[2:, :3], shares[:, None] * [2.0, 0.0, -8.0])
+    covered = np.array([1.0, 0.5, 0.125, 0.25, 0.0, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(found[2:, :3], covered[:, None] * [2.0, 0.0, -8.0])
 
 
 def test_patches_side_by_side_share_out_the_force_on_a_wall(rng):
     position = rng.uniform((0.5, 0.5, 0.3), (3.5, 3.5, 1.5), (200, 3))
     reaction = rng.normal(size=position.shape)
     sides = np.arange(0.0, 4.1, 0.8) + 0.4
-    tiles = [patch(0, [x, y, 0.0], np.array([0.0, 0.0, 1.0]), 0.4) for x in sides for y in sides]
-    found = of_walls(position, reaction, Plane(), patches=join(tiles))
+    tiles = of_patches(*((0, [x, y, 0.0], [0.0, 0.0, 1.0], 0.8) for x in sides for y in sides))
+    found = of_walls(position, reaction, Plane(), patches=tiles)
     assert np.ptp(found[1:, 2]) > 10.0
     np.testing.assert_allclose(found[1:, :3].sum(axis=0), found[0, :3], atol=1e-11)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("period", [(0.0, 0.0, 0.0), (6.0, 0.0, 0.0)])
+def test_places_of_cells_and_feet_of_particles_have_the_same_share(rng, dimension, period):
+    tilt = np.radians(25.0)
+    normals = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [np.sin(tilt), np.cos(tilt), 0.0]]
+    normals += [[0.0, 0.0, 1.0], [-np.sin(tilt), 0.0, np.cos(tilt)]] if dimension == 3 else []
+    for normal in np.array(normals):
+        center = np.array([1.0, 2.0, 0.0])
+        patches = of_patches((0, center, normal, 3.0), period=period, dimension=dimension)
+        place = center + rng.uniform(-6.5, 6.5, (400, 3))
+        place -= ((place - center) @ normal)[:, None] * normal  # on the plane
+        place[:, dimension:] = 0.0
+        found = shares(0, patches, place, np.tile(normal, (400, 1)))
+        of_feet = [share_in_patch(*foot, *normal, 0, patches) for foot in place]
+        np.testing.assert_allclose(found, of_feet, atol=1e-12)
+        assert 0.0 < found.mean() < 1.0
+        # the squares of places spread evenly cover the patch
+        along = patches.frame[0, 1]
+        line = center + (np.arange(-3, 4) + 0.3)[:, None] * along
+        total = shares(0, patches, line, np.tile(normal, (7, 1))).sum()
+        assert total == pytest.approx(3.0)
 
 
 @pytest.fixture
@@ -172,13 +195,16 @@ def test_a_probe_gives_the_mean_since_the_row_before():
 
 def test_a_patch_gives_its_mean_reaction_since_the_row_before():
     place = {"x": 0.8, "y": 0.3, "z": 0.2, "size": 0.2, "interval": 0.1}
-    case = tank3d_case(probe=[{"name": "gauge", "type": "pressure", "wall": "right"} | place])
+    gauge = {"type": "pressure", "wall": "right"} | place
+    floor = gauge | {"wall": "floor", "x": 0.3, "z": 0.0}
+    case = tank3d_case(probe=[floor | {"name": "other"}, gauge | {"name": "gauge"}])
     _, state = started(case)
-    (sampler,) = samplers(case, state).values()
-    assert state.patches.wall.tolist() == [wall_names(case).index("right")]
-    state.time, state.patch_force = 0.0, np.array([[3.0, 9.0, 9.0]])
+    _, sampler = samplers(case, state).values()
+    numbers = [wall_names(case).index(name) for name in ("floor", "right")]
+    assert state.patches.wall.tolist() == numbers
+    state.time, state.patch_force = 0.0, np.array([[7.0, 7.0, 7.0], [3.0, 9.0, 9.0]])
     assert sampler.sample(state)[1] == pytest.approx(3.0 / 0.2**2)  # at rest
     for dt, push in [(0.25, 4.0), (0.75, 8.0)]:
-        state.time, state.dt, state.patch_force = state.time + dt, dt, np.array([[push, 0.0, 0.0]])
+        state.time, state.dt, state.patch_force[1] = state.time + dt, dt, [push, 0.0, 0.0]
         sampler.add_step(state)
     assert sampler.sample(state)[1] == pytest.approx(7.0 / 0.2**2)

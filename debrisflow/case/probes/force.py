@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from debrisflow.case.fields import NONE, Components, quantity
 from debrisflow.case.probe import Fault, Faults, Probe, Space
@@ -11,6 +11,7 @@ from debrisflow.case.probe import Fault, Faults, Probe, Space
 class ForceProbe(Probe):
     """Force and moment on a whole wall or obstacle; in the form study those of the pressure."""
 
+    reads_reactions: ClassVar[bool] = True
     type: Literal["force"]
     wall: str = quantity(NONE, "name of the wall (floor, left, ...) or of the obstacle")
     about: Components = quantity("m", "point about which the moment is taken", (0.0, 0.0))

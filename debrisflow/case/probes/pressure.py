@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 from debrisflow.case.fields import NONE, quantity
 from debrisflow.case.probe import SIZE, SIZE_SPACINGS, TOLERANCE, Fault, Faults, Probe, Space
@@ -11,6 +11,7 @@ from debrisflow.case.probe import SIZE, SIZE_SPACINGS, TOLERANCE, Fault, Faults,
 class PressureProbe(Probe):
     """Mean pressure on a patch of a wall or an obstacle."""
 
+    reads_reactions: ClassVar[bool] = True
     type: Literal["pressure"]
     wall: str = quantity(NONE, "name of the wall (floor, left, ...) or of the obstacle")
     x: float = quantity("m", "middle of the patch along x")
@@ -31,6 +32,12 @@ class PressureProbe(Probe):
     def complete(self, spacing: float) -> Self:
         """Return the probe with its size."""
         return self.model_copy(update={"size": self.side(spacing)})
+
+    def warning(self, spacing: float) -> str:
+        """Return that its patch is smaller than a spacing."""
+        if self.side(spacing) >= (1.0 - TOLERANCE) * spacing:
+            return ""
+        return "patch smaller than a spacing; single particles press on it, less evenly than on two"
 
     def side(self, spacing: float) -> float:
         """Return the size, m; a multiple of the spacing if it is left out."""

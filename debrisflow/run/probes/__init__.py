@@ -11,10 +11,11 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probe import Probe, only_subclass
 from debrisflow.errors import OutputError
-from debrisflow.particles.patches import join
+from debrisflow.particles.patches import Patch
 from debrisflow.particles.seeding import wall_particles
 from debrisflow.particles.state import State
 from debrisflow.run.probe import Column, Sampler
+from debrisflow.run.wall_pressure import patches_in
 
 
 def samplers(case: ResolvedCase, state: State) -> dict[str, Sampler]:
@@ -40,10 +41,14 @@ def samplers(case: ResolvedCase, state: State) -> dict[str, Sampler]:
         )
         for probe in case.probe
     }
-    patched = [sampler for sampler in found.values() if sampler.patch is not None]
-    for row, sampler in enumerate(patched):
-        sampler.patch_row = row
-    state.patches = join([sampler.patch for sampler in patched if sampler.patch is not None])
+    patches: list[Patch] = []
+    for sampler in found.values():
+        if sampler.patch is not None:
+            sampler.patch_row = len(patches)
+            patches.append(sampler.patch)
+    state.patches = patches_in(case, patches)
+    if len(state.patch_force) != len(patches):
+        state.patch_force = np.zeros((len(patches), 3))
     for name, sampler in found.items():
         if sampler.sum_shape is None:
             continue

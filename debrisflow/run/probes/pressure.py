@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
+from debrisflow.case.bodies import MeshObstacle
 from debrisflow.case.probes.pressure import PressureProbe
 from debrisflow.errors import CaseError
-from debrisflow.particles.patches import Patches
+from debrisflow.particles.patches import Patch, shares
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
 from debrisflow.run import row_mean
@@ -17,7 +18,7 @@ from debrisflow.run.wall_pressure import (
     OF_STEP,
     Faces,
     nearest_on,
-    patch_shares,
+    patches_in,
     pressure_on,
     wall_faces,
 )
@@ -32,7 +33,8 @@ class PatchPressure(Sampler):
     The mean of :func:`debrisflow.run.wall_pressure.face_pressure` over the faces of the
     wall, each by the part of it that the patch covers; 0 where the patch is dry.  The patch lies
     on the face that is nearest to the given place.  Beside it the force across the patch over its
-    area, of all that the wall does to the fluid; where walls are particles, the pressure again.
+    area, of all that the wall does to the fluid; where walls are particles, the pressure again, and
+    nan on a mesh, whose patch is that of cells and not of its triangles.
     """
 
     sum_shape = row_mean.sum_shape(1)
@@ -49,13 +51,22 @@ class PatchPressure(Sampler):
                 f"probe '{probe.name}': the place is {distance:.3g} m from the surface of "
                 f"{probe.wall}; at most a spacing"
             )
-        share = patch_shares(faces, center, size, case)
+        number = wall_names(case).index(probe.wall)
+        patch = Patch(number, center, normal, size)
+        share = shares(0, patches_in(case, [patch]), faces.position, faces.normal)
+        if not share.any():
+            raise CaseError(
+                f"probe '{probe.name}': a patch of {size:g} m there covers nothing of {probe.wall} "
+                "that is open to the fluid"
+            )
         self._case, self._name, self._share = case, probe.name, share[share > 0.0]
         self._faces = Faces(faces.position[share > 0.0], faces.normal[share > 0.0])
         self._area = share.sum() * case.particles.spacing ** (case.dimension - 1)
-        if case.has_surfaces:
-            number = wall_names(case).index(probe.wall)
-            self.patch = patch_around(number, center, normal, size, case)
+        self._is_mesh = any(
+            isinstance(body, MeshObstacle) and body.name == probe.wall for body in case.obstacle
+        )
+        if case.has_surfaces and not self._is_mesh:
+            self.patch = patch
 
     @staticmethod
     def reads_walls(case: ResolvedCase) -> bool:
@@ -66,39 +77,29 @@ class PatchPressure(Sampler):
     def columns(dimension: int) -> tuple[Column, ...]:
         """Return the two pressures."""
         reaction = "force across the patch over its area, by all that the wall does to the fluid"
+        at_start = "that of the step before" if dimension == 2 else "that at rest"
+        mean = f"mean since the row before, in the first row {at_start}"
+        other = "in the form study the pressure, on a mesh none"
         return (
             Column("pressure", "Pa", f"mean over the patch, 0 where it is dry; {OF_STEP}"),
-            Column("reaction", "Pa", f"{reaction}; mean since the row before"),
+            Column("reaction", "Pa", f"{reaction}; {mean}; {other}"),
         )
 
     def sample(self, state: State) -> tuple[float, ...]:
         """Return the mean pressure and the reaction, Pa."""
-        kept, now = state.sums[self._name], np.array([self._reaction(state)])
-        (reaction,) = row_mean.mean_since_row(kept, state, now)
-        return self._pressure(state), float(reaction)
+        pressure = float(self._share @ pressure_on(self._faces, self._case, state))
+        pressure /= float(self._share.sum())
+        if self.patch is None:
+            return pressure, np.nan if self._is_mesh else pressure
+        now = self._reaction(state, self.patch)
+        (reaction,) = row_mean.mean_since_row(state.sums[self._name], state, now)
+        return pressure, float(reaction)
 
     def add_step(self, state: State) -> None:
         """Add the reaction of the last step."""
-        row_mean.add_step(state.sums[self._name], state, np.array([self._reaction(state)]))
+        if self.patch is not None:
+            row_mean.add_step(state.sums[self._name], state, self._reaction(state, self.patch))
 
-    def _pressure(self, state: State) -> float:
-        pressure = pressure_on(self._faces, self._case, state)
-        return float(self._share @ pressure / self._share.sum())
-
-    def _reaction(self, state: State) -> float:
-        if self.patch is None:
-            return self._pressure(state)
-        if len(state.patch_force) == 0:
-            return 0.0  # before any step in two dimensions
-        return float(-state.patch_force[self.patch_row] @ self.patch.normal[0] / self._area)
-
-
-def patch_around(
-    number: int, center: Floats, normal: Floats, size: float, case: ResolvedCase
-) -> Patches:
-    """Return a square patch of a wall of some number, as :func:`patch_shares` takes it."""
-    d0, across = case.particles.spacing, np.abs(normal) > np.sqrt(0.5)
-    half = np.where(across, d0, 0.5 * size)
-    half[case.dimension :] = np.inf
-    cell = np.where(across, 0.0, d0 * np.sqrt(1.0 - normal**2))
-    return Patches(np.array([number]), center[None], normal[None], half[None], cell[None])
+    def _reaction(self, state: State, patch: Patch) -> Floats:
+        push = -state.patch_force[self.patch_row] @ patch.normal
+        return np.array([push / self._area])

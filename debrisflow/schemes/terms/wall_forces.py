@@ -7,8 +7,6 @@ from debrisflow.neighbors.boundary import Boundary
 from debrisflow.physics.wall_forces import room_for_forces, wall_forces
 from debrisflow.schemes.terms.term import Step, Term
 
-READERS = ("force", "pressure")  # the types of probes that read them
-
 
 class WallForces(Term):
     """Keeps force and moment on each wall and obstacle: pressure, viscosity, friction, contact.
@@ -41,4 +39,4 @@ class WallForces(Term):
 
 def are_asked(case: ResolvedCase) -> bool:
     """Return whether a probe of the case reads what fluid does to walls."""
-    return any(probe.type in READERS for probe in case.probe)
+    return any(probe.reads_reactions for probe in case.probe)
