@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, tables
+from debrisflow.neighbors.patches import Patches, no_patches
 from debrisflow.particles import hydrostatic_start
 from debrisflow.particles.maxima import Maxima, no_maxima
-from debrisflow.particles.patches import Patches, no_patches
 from debrisflow.particles.record import Particles
 from debrisflow.particles.seeding import seed
 from debrisflow.particles.supply import supplied_sediment, whole_sediment

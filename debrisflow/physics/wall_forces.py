@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.boundary import Boundary, face_at, face_count, wall_sums_at
 from debrisflow.neighbors.pairs import BLOCK, to_nearest_image
+from debrisflow.neighbors.patches import ALIKE
 
 Floats = NDArray[np.float64]
 MOST = 2.0  # own share of a face in what all walls push by
@@ -27,7 +28,7 @@ def share_in_patch(a, b, c, nx, ny, nz, k, patches):
     dx, dy, dz = to_nearest_image(dx, dy, dz, patches.period)
     ux, uy, uz = frame[k, 0, 0], frame[k, 0, 1], frame[k, 0, 2]
     off = abs(dx * ux + dy * uy + dz * uz)
-    if off >= half[k, 0] or nx * ux + ny * uy + nz * uz < patches.alike:
+    if off >= half[k, 0] or nx * ux + ny * uy + nz * uz < ALIKE:
         return 0.0
     share = 1.0
     for axis in range(1, 3):
@@ -130,7 +131,7 @@ def wall_forces(volume, density, push, reaction, position, solid, patches, parti
     position : (n, 3) float64 array, m
     solid : Boundary
     patches : Patches
-        As :class:`debrisflow.particles.patches.Patches`.
+        As :class:`debrisflow.neighbors.patches.Patches`.
     partial : (blocks, walls + patches, 6) float64 array, N, N m
         Zeros; the force on a wall, and its moment about the origin, are the sums over the blocks;
         behind the walls come the patches, without moments.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probe import Probe
-from debrisflow.particles.patches import Patch
+from debrisflow.neighbors.patches import Patch
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
 from debrisflow.run.tables import Series

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase, shapes, tables
 from debrisflow.case.shapes import plain_of
-from debrisflow.particles.patches import Patch, Patches, patches_of
+from debrisflow.neighbors.patches import Patch, Patches, patches_of
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import State
 from debrisflow.space.bodies import are_among

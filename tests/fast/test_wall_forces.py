@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from debrisflow.neighbors.lattice import reference
-from debrisflow.particles.patches import Patch, no_patches, patches_of, shares
+from debrisflow.neighbors.patches import Patch, no_patches, patches_of, shares
 from debrisflow.physics.wall_forces import room_for_forces, share_in_patch, wall_forces
 from debrisflow.run.probes import samplers
 from debrisflow.space.domain import wall_names

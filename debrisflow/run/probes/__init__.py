@@ -11,7 +11,7 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probe import Probe, only_subclass
 from debrisflow.errors import OutputError
-from debrisflow.particles.patches import Patch
+from debrisflow.neighbors.patches import Patch
 from debrisflow.particles.seeding import wall_particles
 from debrisflow.particles.state import State
 from debrisflow.run.probe import Column, Sampler

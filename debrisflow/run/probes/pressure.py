@@ -9,7 +9,7 @@ from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import MeshObstacle
 from debrisflow.case.probes.pressure import PressureProbe
 from debrisflow.errors import CaseError
-from debrisflow.particles.patches import Patch, shares
+from debrisflow.neighbors.patches import Patch, shares
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
 from debrisflow.run import row_mean

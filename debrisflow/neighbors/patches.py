@@ -50,8 +50,8 @@ class Patches(NamedTuple):
         Half of the extent along each of these; infinite along an axis that the space lacks.
     period : (2, 3) float64 array, m, 1/m
         Period along each axis and its inverse, 0 where there is none.
-    cell, alike : float, m, -
-        Side of the square of a particle; ALIKE.
+    cell : float, m
+        Side of the square of a particle.
     """
 
     wall: NDArray[np.int64]
@@ -60,7 +60,6 @@ class Patches(NamedTuple):
     half: Floats
     period: Floats
     cell: float
-    alike: float
 
 
 def patches_of(patches: Sequence[Patch], spacing: float, dimension: int, period: Floats) -> Patches:
@@ -76,7 +75,6 @@ def patches_of(patches: Sequence[Patch], spacing: float, dimension: int, period:
         half,
         np.stack([period, np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)]),
         spacing,
-        ALIKE,
     )
 
 
@@ -106,7 +104,7 @@ def shares(k: int, patches: Patches, position: Floats, normal: Floats) -> Floats
     along, half, side = np.abs(offset @ patches.frame[k].T), patches.half[k], 0.5 * patches.cell
     covered = np.minimum(along + side, half) - np.maximum(along - side, -half)
     share = np.clip(covered[:, 1:] / (2.0 * side), 0.0, 1.0).prod(axis=1)
-    is_on = (along[:, 0] < half[0]) & (normal @ patches.frame[k, 0] >= patches.alike)
+    is_on = (along[:, 0] < half[0]) & (normal @ patches.frame[k, 0] >= ALIKE)
     return np.where(is_on, share, 0.0)
 
 
