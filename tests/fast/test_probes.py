@@ -374,3 +374,12 @@ def test_what_returns_through_the_end_of_a_period_is_counted_where_it_passes():
     p.position[p.fluid, 0] = (p.position[p.fluid, 0] + D0) % 1.0
     section.add_step(state)
     assert state.sums["p0"][0, 0] == 10
+
+
+# a bound that is missed and stays, see docs/theory/walls.md: on a lattice whose surface had p = 0
+# what the rows beside the wall are carried by cancelled, and no longer does
+@pytest.mark.xfail(strict=True, reason="8e-4 of the weight since surface rows carry pressure")
+def test_a_frictionless_wall_carries_nothing_of_still_water_on_a_lattice():
+    case, state = still_water(3, [{"type": "force", "wall": "right"}])
+    (right,) = forces_at_rest(case, state)
+    np.testing.assert_allclose(right[2], 0.0, atol=1e-4 * 1000.0 * 9.81 * 0.5 * 0.6)

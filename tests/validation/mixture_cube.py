@@ -28,6 +28,8 @@ class Cube:
         x behind which 99.5 % of the particles lie at 0.8 s.
     thin : float
         Share of the particles with n < 0.8 n0 then.
+    height : float, m
+        Greatest z of a particle then.
     spray : float
         Share of the particles with n < 0.4 n0 higher than the thin front, three rows, then: 0.3 is
         one particle on a surface.
@@ -38,6 +40,7 @@ class Cube:
 
     front: float
     thin: float
+    height: float
     spray: float
     energy: float
     through_wall: int
@@ -54,7 +57,7 @@ def run(concentration: float | None, end: float = 2.0, overrides: tuple[str, ...
     case = load_case(CASE, [*changes, *overrides])
     lattice = reference(3, case.particles.effective_radius, case.particles.spacing)
     least = THIN * lattice.number_density
-    start = greatest = spray = front = thin = 0.0
+    start = greatest = height = spray = front = thin = 0.0
     for state in states(case, 0.01):
         p = state.particles
         total = energy(case, state)
@@ -63,7 +66,8 @@ def run(concentration: float | None, end: float = 2.0, overrides: tuple[str, ...
             x = p.position[p.fluid, 0]
             front = float(np.quantile(x, FRONT_SHARE, method="inverted_cdf"))
             n = p.number_density[p.fluid]
+            height = float(p.position[p.fluid, 2].max())
             over = p.position[p.fluid, 2] > FRONT_HEIGHT * case.particles.spacing
             spray = float(np.mean(over & (n < SPRAY * lattice.number_density)))
             thin = float(np.mean(n < least))
-    return Cube(front, thin, spray, greatest / start, int(state.through_wall.sum()))
+    return Cube(front, thin, height, spray, greatest / start, int(state.through_wall.sum()))

@@ -65,8 +65,14 @@ def test_the_front_in_a_slab_agrees_with_the_experiment(high):
     assert high.slope() == pytest.approx(1.32, rel=0.08)
 
 
+# a bound that is missed and stays: the row beside the wall, 0.05 of the height, sinks last; it is
+# held since surface rows carry pressure from 12 particles across on, and at 16 by the next test
+@pytest.mark.xfail(strict=True, reason="0.055 at 10 particles across: a row is 0.05 of the height")
+def test_the_rest_of_a_coarse_slab_sinks_as_measured(high):
+    assert high.height_error() < 0.05
+
+
 def test_the_rest_of_a_slab_sinks_as_measured():
-    # known to a row, which is 0.05 of the height at 10 particles across, where 0.055 is missed
     assert dam_break3d.run(16).height_error() < 0.05
 
 
@@ -106,6 +112,19 @@ def test_grains_throw_out_no_spray(cubes, concentration):
     assert found.spray < free.spray + 0.001
     assert found.energy < 1.005
     assert found.through_wall == 0
+
+
+@pytest.mark.parametrize(
+    "concentration",
+    [
+        0.4,
+        # a bound that is missed and stays: what stands of the cube is held back by its grains, and
+        # none of it is in the air, see the test above
+        pytest.param(0.5, marks=pytest.mark.xfail(strict=True, reason="5.4 %, half a spacing")),
+    ],
+)
+def test_grains_leave_a_cube_no_higher_than_water(cubes, concentration):
+    assert cubes[concentration].height < 1.05 * cubes[None].height
 
 
 @pytest.fixture(scope="module")
