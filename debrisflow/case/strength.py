@@ -25,7 +25,7 @@ class Strength(Table):
     mixing_length: float = quantity(
         "m",
         "greatest mixing length of the turbulent viscosity; over a rough floor "
-        "kappa (y + roughness / 30) at a height y where that is less, in two dimensions",
+        "kappa (y + roughness / 30) at a height y where that is less",
         0.0,
         ge=0,
     )

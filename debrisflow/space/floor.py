@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, shapes
+from debrisflow.case.friction import LogFriction
 from debrisflow.case.shapes import is_three_dimensional, plain_of, runout_of
+from debrisflow.case.tables import Wall
 
 Floats = NDArray[np.float64]
 
@@ -93,19 +95,24 @@ def is_over_floor(case: ResolvedCase, x: Floats, y: Floats) -> NDArray[np.bool_]
     return np.asarray(over & between)
 
 
+def roughness_of(wall: Wall) -> float:
+    """Return the equivalent sand roughness of a wall, m; 0 where it has no law of the wall."""
+    return wall.friction.roughness if isinstance(wall.friction, LogFriction) else wall.roughness
+
+
 def floor_roughness(case: ResolvedCase, x: Floats) -> Floats:
     """Return the roughness of the fixed floor at x, under a bed that of its recess, m.
 
     Infinite where the floor has none, so that no law of the wall acts.
     """
     shape, x = case.geometry, np.asarray(x, dtype=float)
-    roughness = np.full_like(x, case.walls.floor.roughness)
-    if isinstance(shape, shapes.Channel):
+    roughness = np.full_like(x, roughness_of(case.walls.floor))
+    if isinstance(shape, shapes.ChannelShape):
         if shape.periodic:
             x = np.mod(x, shape.length)
         elif shape.weir_height > 0.0:
-            roughness[x >= shape.bed_end] = case.walls.right.roughness
+            roughness[x >= shape.bed_end] = roughness_of(case.walls.right)
         if shape.bed_thickness > 0.0:
             in_bed = (x >= shape.bed_start) & (x < shape.bed_end)
-            roughness[in_bed] = case.walls.bed.roughness
+            roughness[in_bed] = roughness_of(case.walls.bed)
     return np.where(roughness > 0.0, roughness, np.inf)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase
 from debrisflow.case.friction import (
     CoulombFriction,
-    LogFriction,
     ManningFriction,
     VoellmyFriction,
 )
@@ -26,6 +25,7 @@ from debrisflow.physics.base_friction import (
 )
 from debrisflow.schemes.terms.term import Scene, Step, Term
 from debrisflow.space.domain import WALL_NAMES, domain
+from debrisflow.space.floor import roughness_of
 from debrisflow.space.plan_grid import floor_extent
 
 Floats = NDArray[np.float64]
@@ -138,10 +138,8 @@ def friction_of(case: ResolvedCase) -> BaseFriction:
     g = float(np.hypot(*case.gravity.components))
     for number, name in enumerate(WALL_NAMES):
         wall = getattr(case.walls, name)
-        table, found.roughness[number] = wall.friction, wall.roughness
-        if isinstance(table, LogFriction):
-            found.roughness[number] = table.roughness
-        elif isinstance(table, ManningFriction):
+        table, found.roughness[number] = wall.friction, roughness_of(wall)
+        if isinstance(table, ManningFriction):
             found.manning[number] = g * table.coefficient**2
         elif isinstance(table, CoulombFriction):
             found.sliding[number] = (1.0 - table.pore_pressure) * tan(radians(table.angle))

@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 
 class Eddies(Term):
-    """The viscosity of eddies, whose mixing length a rough floor limits in two dimensions.
+    """The viscosity of eddies, whose mixing length a rough floor limits.
 
     Parameters
     ----------
@@ -42,11 +42,8 @@ class Eddies(Term):
         scene.viscosity += scene.eddies
 
     def _over_floor(self, scene: Scene) -> tuple[Floats, Floats]:
-        """Return height over and roughness of the floor under the particles, m; infinite in 3D."""
+        """Return height over and roughness of the floor under the particles, m."""
         p, case = scene.particles, self._case
-        if case.dimension == 3:
-            everywhere = np.full(p.fluid_count, np.inf)
-            return everywhere, everywhere
-        x, y = p.position[p.fluid, 0], p.position[p.fluid, 1]
-        height = np.maximum(height_over_floor(case, x, y, x), 0.5 * scene.near.spacing)
+        x, level = p.position[p.fluid, 0], p.position[p.fluid, case.dimension - 1]
+        height = np.maximum(height_over_floor(case, x, level, x), 0.5 * scene.near.spacing)
         return height, floor_roughness(case, x)
