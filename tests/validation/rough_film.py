@@ -6,8 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from debrisflow.case import Case, tables
+from debrisflow.case.defaults import complete
 from debrisflow.particles.state import initial_state
 from debrisflow.physics.turbulence import KARMAN
+from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from tests.building import advance, endless_channel
 
@@ -36,21 +39,46 @@ class Film(NamedTuple):
     across: float
 
 
-def run(rows: int, depth: float, roughness: float, mixing_length: float) -> Film:
-    """Return what a film ``rows`` particles deep, periodic along x, did once it was steady."""
-    case = endless_channel(
-        depth / rows,
-        SLOPE,
-        [{"y": [0.0, depth], "material": "water"}],
-        walls={"floor": {"roughness": roughness}},
-        strength={"type": "coulomb", "mixing_length": mixing_length},
+def build(
+    dimension: int, rows: int, depth: float, roughness: float, mixing_length: float
+) -> tables.Case:
+    """Return the case of a film, periodic along x, in three dimensions between smooth sides."""
+    spacing, strength = depth / rows, {"type": "coulomb", "mixing_length": mixing_length}
+    if dimension == 2:
+        layer, floor = {"y": [0.0, depth], "material": "water"}, {"roughness": roughness}
+        return endless_channel(spacing, SLOPE, [layer], walls={"floor": floor}, strength=strength)
+    size = {"length": 12.0 * spacing, "width": 8.0 * spacing}
+    block = {"x": (0.0, size["length"]), "y": (0.0, size["width"]), "z": (0.0, depth)}
+    smooth = {"slip": "free-slip"}
+    floor = {"friction": {"law": "log", "roughness": roughness}}
+    return complete(
+        Case(
+            title="turbulent film",
+            particles={"spacing": spacing},
+            gravity={"slope": SLOPE},
+            geometry={"type": "channel3d", "periodic": True, "height": 4.0 * depth, **size},
+            walls={"floor": floor, "front": smooth, "back": smooth},
+            fill=[{"type": "block", "material": "water", **block}],
+            strength=strength,
+            scheme={"type": "explicit", "courant": 1.2, "sound_speed": 15.0},
+            time={"end": STEADY[-1]},
+            output={"interval": STEADY[-1]},
+        )
     )
-    scheme, state = SemiImplicit(case), initial_state(case)
+
+
+def run(
+    rows: int, depth: float, roughness: float, mixing_length: float, dimension: int = 2
+) -> Film:
+    """Return what a film ``rows`` particles deep did once it was steady."""
+    case = build(dimension, rows, depth, roughness, mixing_length)
+    scheme, state = scheme_of(case), initial_state(case)
     found = []
     for until in STEADY:
         advance(scheme, state, until=until)
         velocity = state.particles.velocity[state.particles.fluid]
-        found.append((velocity[:, 0].mean(), np.sqrt(np.mean(velocity[:, 1] ** 2))))
+        across = np.sqrt(np.mean(np.sum(velocity[:, 1:] ** 2, axis=1)))
+        found.append((velocity[:, 0].mean(), across))
     return Film(*np.mean(found, axis=0).tolist())
 
 

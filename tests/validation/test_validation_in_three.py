@@ -5,6 +5,7 @@ The coarse runs only; finer ones: scripts/validate.py still3d dam_break3d marin 
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from tests.validation import (
@@ -13,6 +14,8 @@ from tests.validation import (
     ground3d,
     heap3d,
     mixture_cube,
+    plate_jet,
+    rough_film,
     spheric,
     st_helens,
     still3d,
@@ -161,3 +164,27 @@ def test_a_heap_keeps_volume_particles_and_energy(heap):
     assert heap.loose() < 0.01
     assert heap.energy.max() < 1.005
     assert heap.through_wall == 0
+
+
+def test_a_jet_presses_on_a_plate_as_potential_flow_does():
+    found = plate_jet.run(3)
+    assert found.thrust == pytest.approx(1.0, abs=0.03)
+    np.testing.assert_allclose(found.pressure, found.expected, atol=0.05)
+    assert found.by_fluid == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        # a bound that is missed and stays
+        pytest.param(1, marks=pytest.mark.xfail(strict=True, reason="+10 %")),
+        2,
+        4,
+        8,
+    ],
+)
+def test_a_turbulent_film_has_the_speed_of_its_profile(rows):
+    film = (0.026, 0.003, 0.004)
+    found = rough_film.run(rows, *film, dimension=3)
+    assert found.speed == pytest.approx(rough_film.mean_speed(*film), rel=0.06)
+    assert found.across < 0.03
