@@ -277,11 +277,8 @@ class ExplicitScheme(Table):
     artificial_viscosity: float = quantity(
         NONE, "alpha, viscosity alpha c d0 along the line of two particles", 0.05, ge=0, le=1
     )
-    collision_distance: float = quantity(
-        "spacing", "distance below which approaching particles collide", 0.8, ge=0, le=1
-    )
     collision_restitution: float = quantity(
-        NONE, "coefficient of restitution of particle collisions", 0.2, ge=0, le=1
+        NONE, "coefficient of restitution of bounces off walls", 0.2, ge=0, le=1
     )
     jitter: float = quantity(
         "spacing", "greatest seeded displacement of a particle at the start", 0.01, ge=0, le=0.1

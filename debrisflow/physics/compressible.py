@@ -20,7 +20,6 @@ from debrisflow.neighbors.pairs import (
     laplacian_factor,
     weight,
 )
-from debrisflow.physics.contact import impulse, impulse_share
 from debrisflow.physics.rheology import harmonic_mean
 from debrisflow.physics.wall_push import wall_push_at
 
@@ -74,7 +73,8 @@ class Numbers(NamedTuple):
         delta, and the time in which s follows n.
     artificial_viscosity : float
         alpha.
-    collision_distance, restitution : float, m, -
+    restitution : float
+        Of bounces off walls.
     """
 
     smooth_density: float
@@ -86,7 +86,6 @@ class Numbers(NamedTuple):
     diffusion: float
     relaxation: float
     artificial_viscosity: float
-    collision_distance: float
     restitution: float
 
 
@@ -224,23 +223,23 @@ def mean_viscosity(mu_i, j, viscosity):
 
 @kernel
 def pair_forces_at(i, fluid, near, numbers):
-    """Return force of the fluid, N/m3, and change of velocity by collisions, m/s, of particle i.
+    """Return the force of the fluid on particle i, N/m3.
 
         -(Ds/n0) sum of (P_i + P_j) r_ij w / r^2
         + (2 Ds/(lambda n0)) sum of [alpha c d0 rho_ij (u_ij . e) e + mu_ij u_ij] w
 
     with P the pressure of fluid and grains and mu_ij the harmonic mean of the pair's viscosities.
     The sum form of the pressure conserves momentum, and is never attractive since P >= 0; the
-    study's form (14) is not needed then.  Particles nearer than the collision distance that
-    approach exchange the impulse of a collision, from the same velocities for both.
+    study's form (14) is not needed then.  Nothing collides: the pressure of continuity, which acts
+    at the free surface too, keeps particles apart.
     """
     velocity = fluid.velocity
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     push, pull = gradient_factor(near), laplacian_factor(near)
     rho, mu_i = density_of(i, fluid.density, numbers), viscosity_of(i, fluid.viscosity, numbers)
     damping = 0.5 * pull * numbers.artificial_viscosity * numbers.sound_speed * near.spacing
-    total_i, rebound = fluid.total_pressure[i], 1.0 + numbers.restitution
-    x, y, z, cx, cy, cz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    total_i = fluid.total_pressure[i]
+    x, y, z = 0.0, 0.0, 0.0
     for k in range(near.fluid_count[i]):
         j, dx, dy, dz, inverse = fluid_pair(i, k, near)
         weighed = weight(inverse, near)
@@ -253,12 +252,7 @@ def pair_forces_at(i, fluid, near, numbers):
         x += line * dx + drag * du
         y += line * dy + drag * dv
         z += line * dz + drag * dw
-        share = impulse_share(rho, rho_j, j, near)
-        hit = impulse(along, inverse, share, numbers.collision_distance)
-        cx += hit * dx
-        cy += hit * dy
-        cz += hit * dz
-    return x, y, z, rebound * cx, rebound * cy, rebound * cz
+    return x, y, z
 
 
 @kernel
@@ -282,18 +276,17 @@ def wall_forces_at(i, fluid, near, solid, numbers):
 def _advance_by_pairs(first, last, dt, fluid, near, numbers, velocity):
     g = numbers.gravity
     for i in range(first, last):
-        x, y, z, cx, cy, cz = pair_forces_at(i, fluid, near, numbers)
+        x, y, z = pair_forces_at(i, fluid, near, numbers)
         per = dt / density_of(i, fluid.density, numbers)
-        velocity[i, 0] = fluid.velocity[i, 0] + per * x + dt * g[0] + cx
-        velocity[i, 1] = fluid.velocity[i, 1] + per * y + dt * g[1] + cy
-        velocity[i, 2] = fluid.velocity[i, 2] + per * z + dt * g[2] + cz
+        velocity[i, 0] = fluid.velocity[i, 0] + per * x + dt * g[0]
+        velocity[i, 1] = fluid.velocity[i, 1] + per * y + dt * g[1]
+        velocity[i, 2] = fluid.velocity[i, 2] + per * z + dt * g[2]
 
 
 @kernel
 def _advance_by_walls(
     first, last, dt, fluid, near, solid, numbers, velocity, push, reaction, bounced
 ):
-    reach = numbers.collision_distance - 0.5 * near.spacing
     for i in range(first, last):
         for axis in range(3):
             push[i, axis], reaction[i, axis] = 0.0, 0.0
@@ -306,7 +299,7 @@ def _advance_by_walls(
         u = before_u + dt * per * (x + sx)
         v = before_v + dt * per * (y + sy)
         w = before_w + dt * per * (z + sz)
-        after_u, after_v, after_w = rebounded(i, u, v, w, reach, numbers.restitution, solid)
+        after_u, after_v, after_w = rebounded(i, u, v, w, 0.0, numbers.restitution, solid)
         bounced[i] = after_u != u or after_v != v or after_w != w
         u, v, w = after_u, after_v, after_w
         velocity[i, 0], velocity[i, 1], velocity[i, 2] = u, v, w
@@ -321,8 +314,8 @@ def advance_velocity(dt, fluid, near, solid, numbers, velocity, push, reaction, 
     """Write the velocity of every fluid particle after a time step, (n, 3) float64 array, m/s.
 
     The right side of equation (13), momentum of a weakly compressible mixture, over rho: what the
-    fluid does, gravity and collisions, then the walls and the bounces off them, in a loop of their
-    own, since few particles are near one.  Also what the walls push a particle by with their
+    fluid does and gravity, then the walls, and bounces of what has come into one, in a loop of
+    their own, since few particles are near a wall.  Also what the walls push a particle by with their
     pressure, and all that they do to it, viscosity and bounces among it, (n, 3) float64 arrays,
     m/s2, and which particles bounced, (n,) bool array.
     """

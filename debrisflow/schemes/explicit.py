@@ -17,7 +17,7 @@ from debrisflow.schemes.scheme import Scheme
 from debrisflow.schemes.terms.base_friction import BaseFrictions
 from debrisflow.schemes.terms.collision_stress import MixtureCollisions
 from debrisflow.schemes.terms.concentration import Concentration
-from debrisflow.schemes.terms.contact import WallContact
+from debrisflow.schemes.terms.contact import CONTACT, WallContact
 from debrisflow.schemes.terms.density import Density
 from debrisflow.schemes.terms.eddies import Eddies
 from debrisflow.schemes.terms.forces import Forces
@@ -85,8 +85,7 @@ class Explicit(Scheme):
             least_viscosity=least,
             walls=frictions if has_friction else None,
         )
-        reach = numbers.collision_distance - 0.5 * self.lattice.spacing
-        grains = None
+        touch, grains = CONTACT * self.lattice.spacing, None
         if isinstance(strength, FrictionalStrength):
             balance = SharedPressure if is_even else GrainPressure
             grains = balance(case, strength, gravity)
@@ -105,7 +104,7 @@ class Explicit(Scheme):
             forces,
             grains,
             exchange if is_implicit else None,
-            WallContact(reach, frictions.friction.sliding) if is_implicit else None,
+            WallContact(touch, frictions.friction.sliding) if is_implicit else None,
             frictions if has_friction else None,
             wall_forces,
             self._motion,

@@ -12,15 +12,12 @@ from debrisflow.physics.pressure import higher_order_factor
 from debrisflow.physics.virtual_air import VirtualAir, virtual_air
 from debrisflow.schemes.fractional_step import FractionalStep
 from debrisflow.schemes.terms.base_friction import BaseFrictions
-from debrisflow.schemes.terms.contact import WallBounce, WallContact
+from debrisflow.schemes.terms.contact import CONTACT, WallBounce, WallContact
 from debrisflow.schemes.terms.pressure import PressurePush
 from debrisflow.schemes.terms.term import Term
 from debrisflow.schemes.terms.wall_forces import WallForces, are_asked
 from debrisflow.schemes.vicinity import ListAndSurfaces
 from debrisflow.space.domain import wall_names
-
-CONTACT = 0.3
-"""Spacings from a wall nearer than which a particle touches it."""
 
 
 class SemiImplicit(FractionalStep):

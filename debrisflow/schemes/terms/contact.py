@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 from debrisflow.physics.contact import bounce_off_walls, collide, hold_off_walls
 from debrisflow.schemes.terms.term import Step, Term
 
+CONTACT = 0.3
+"""Spacings from a wall nearer than which a particle touches it."""
+
 
 class Contact(Term):
     """Collisions after all explicit forces.
