@@ -315,9 +315,9 @@ def advance_velocity(dt, fluid, near, solid, numbers, velocity, push, reaction, 
 
     The right side of equation (13), momentum of a weakly compressible mixture, over rho: what the
     fluid does and gravity, then the walls, and bounces of what has come into one, in a loop of
-    their own, since few particles are near a wall.  Also what the walls push a particle by with their
-    pressure, and all that they do to it, viscosity and bounces among it, (n, 3) float64 arrays,
-    m/s2, and which particles bounced, (n,) bool array.
+    their own, since few particles are near a wall.  Also what the walls push a particle by with
+    their pressure, and all that they do to it, viscosity and bounces among it, (n, 3) float64
+    arrays, m/s2, and which particles bounced, (n,) bool array.
     """
     for block in prange((velocity.shape[0] + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, velocity.shape[0])

@@ -7,13 +7,13 @@ from debrisflow.neighbors.boundary import find_inside, rebounded
 from debrisflow.neighbors.lattice import reference
 from debrisflow.physics import compressible
 from debrisflow.physics.collision_stress import collide_grains
+from debrisflow.physics.contact import collisions_at
 from debrisflow.physics.granular_temperature import (
     algebraic_temperatures,
     capped_temperature,
     neighborhood_temperature_at,
     neighborhood_temperatures,
 )
-from debrisflow.physics.contact import collisions_at
 from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, granular_pressure
 from debrisflow.physics.motion import survey_motion
 from debrisflow.physics.operators import velocity_gradient_at, velocity_gradients
