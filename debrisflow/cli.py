@@ -90,7 +90,12 @@ _stations = click.option(
 _window = click.option(
     "--window",
     type=numbers_type(2, are_intervals=True),
-    help="Times over which profiles are averaged, s: T0,T1; the last fifth if left out.",
+    help="Times over which profiles and probes are averaged, s: T0,T1; the last fifth if left out.",
+)
+_smooth = click.option(
+    "--smooth",
+    type=click.FloatRange(min=0.0),
+    help="Time over which samples of probes are averaged, s; ten of their intervals if left out.",
 )
 _references = click.option(
     "--reference",
@@ -191,12 +196,14 @@ def init(file: Path, template: str) -> None:
 @_stations
 @_window
 @click.option("--times", type=numbers_type(), default=(), help="Times of the deposit, s: T,T,...")
+@_smooth
 @_references
 def postprocess(
     folder: Path,
     stations: tuple[float, ...],
     window: tuple[float, float] | None,
     times: tuple[float, ...],
+    smooth: float | None,
     references: tuple[Path, ...],
 ) -> None:
     """Derive tables and plots from the results in the folder RUN, finished or running."""
@@ -206,7 +213,7 @@ def postprocess(
     from debrisflow.results.survey import survey
 
     given = [read_reference(path) for path in references]
-    found = survey(open_run(folder), stations, window, times)
+    found = survey(open_run(folder), stations, window, times, smooth)
     written, messages = postprocess(found, given)
     _print_files(written)
     for line in messages:
@@ -217,11 +224,13 @@ def postprocess(
 @_results
 @_stations
 @_window
+@_smooth
 @_references
 def report(
     folder: Path,
     stations: tuple[float, ...],
     window: tuple[float, float] | None,
+    smooth: float | None,
     references: tuple[Path, ...],
 ) -> None:
     """Write a report on the run in the folder RUN: one self-contained HTML file."""
@@ -231,13 +240,15 @@ def report(
     from debrisflow.results.survey import survey
 
     given = [read_reference(path) for path in references]
-    _print_files([report(survey(open_run(folder), stations, window), given)])
+    found = survey(open_run(folder), stations, window, smoothing=smooth)
+    _print_files([report(found, given)])
 
 
 @main.command()
 @click.argument("folders", metavar="RUN RUN...", type=_PATH, nargs=-1, required=True)
 @_stations
 @_window
+@_smooth
 @click.option(
     "-o",
     "--output",
@@ -250,6 +261,7 @@ def compare(
     folders: tuple[Path, ...],
     stations: tuple[float, ...],
     window: tuple[float, float] | None,
+    smooth: float | None,
     output: Path,
 ) -> None:
     """Compare runs: parameters that differ, figures, and the same curves in one plot."""
@@ -259,7 +271,8 @@ def compare(
 
     if len(folders) < 2:
         raise click.UsageError("two runs or more are needed to compare")
-    together, written = compare([survey(open_run(f), stations, window) for f in folders], output)
+    found = [survey(open_run(f), stations, window, smoothing=smooth) for f in folders]
+    together, written = compare(found, output)
     for line in table_lines(together):
         click.echo(line)
     _print_files(written)

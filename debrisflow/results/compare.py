@@ -12,10 +12,12 @@ from debrisflow.errors import OutputError
 from debrisflow.results.answers import answers, answers_by_heading
 from debrisflow.results.parameters import differences
 from debrisflow.results.plots.comparison import draw_comparison
+from debrisflow.results.probe_curves import figures_of
 from debrisflow.results.survey import Survey
 from debrisflow.run.tables import write_table
 
 ABSENT = "-"
+VALUES = ("peak", "smooth_peak", "mean")  # of probes that are compared
 
 
 class Comparison(NamedTuple):
@@ -28,7 +30,8 @@ class Comparison(NamedTuple):
     differing : list of tuple of str
         Key and value in each run, of the parameters that differ.
     figures : list of tuple
-        Heading, quantity, unit, value in each run, of the answers that all runs have.
+        Heading, quantity, unit, value in each run, of the answers and of the probes that all runs
+        have.
     time : float, s
         The last that all runs have reached.
     """
@@ -107,7 +110,25 @@ def _figures(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]
         for heading, rows in answers_by_heading(found[0]).items()
         for row in rows
         if all(row.quantity in values for values in known)
+    ] + _probes(found)
+
+
+def _probes(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
+    """Return the figures of the curves of probes that all runs have."""
+    known = [
+        {
+            (row.probe, row.column): row
+            for row in (figures_of(c, one.window) for c in one.probe_curves)
+        }
+        for one in found
     ]
+    rows = []
+    for key, first in known[0].items():
+        if all(key in one for one in known):
+            for name, unit in (("arrival", "s"), *((name, first.unit) for name in VALUES)):
+                values = [float(getattr(one[key], name)) for one in known]
+                rows.append(("Probes", f"{'_'.join(key)}_{name}", unit, values))
+    return rows
 
 
 def table_lines(together: Comparison) -> list[str]:

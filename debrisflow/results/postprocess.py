@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow.results import answers as figures
-from debrisflow.results import references, stations
+from debrisflow.results import probe_curves, references, stations
 from debrisflow.results.answers import Answer
 from debrisflow.results.budgets import budget_head, momentum_head
 from debrisflow.results.deposition import deposit_head, deposit_table
@@ -17,7 +17,7 @@ from debrisflow.results.plots import draw
 from debrisflow.results.references import Distance, Reference, distances_to_all
 from debrisflow.results.survey import Survey
 from debrisflow.run.folder import POSTPROCESS
-from debrisflow.run.tables import Table, write_table
+from debrisflow.run.tables import Row, Table, write_table
 
 TOLD = (
     "moving_share_end",
@@ -73,8 +73,17 @@ def _told(rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
             curve = f"{one.reference}, {one.curve}"
             lines.append(
                 f"distance to {curve}, {one.ours}: rms {one.rms:.3g} at {one.points} points"
+                + _told_shift(one)
             )
     return lines
+
+
+def _told_shift(one: Distance) -> str:
+    """Return what is known of a curve in time beside its distance."""
+    if np.isnan(one.shift):
+        return ""
+    band = "" if np.isnan(one.in_band) else f"; {one.in_band:.0%} of them within its band"
+    return f"; {one.shifted_rms:.3g} moved by {one.shift:+.3g} s{band}"
 
 
 def _write_tables(
@@ -104,10 +113,16 @@ def _write_tables(
         paths.append(target / f"{name}.csv")
         values = ([float(v) for v in row] for row in zip(*table.values(), strict=True))
         write_table(paths[-1], list(table), head, values)
-    for name, columns, head, lines in (
+    tables: list[tuple[str, Sequence[str], Sequence[str], Sequence[Row]]] = [
         ("distances", references.COLUMNS, references.HEAD, measured),
         ("answers", figures.COLUMNS, figures.HEAD, rows),
-    ):
+    ]
+    if found.probe_curves:
+        span = {"span": probe_curves.told_span(found.smoothing)}
+        figures_of = [probe_curves.figures_of(curve, found.window) for curve in found.probe_curves]
+        head = _filled(probe_curves.HEAD, span | window)
+        tables.append(("probes", probe_curves.COLUMNS, head, figures_of))
+    for name, columns, head, lines in tables:
         paths.append(target / f"{name}.csv")
         write_table(paths[-1], columns, head, lines)
     return paths

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.case.words import did_you_mean
 from debrisflow.errors import OutputError
 from debrisflow.results.deposition import Deposition, greatest_across
 from debrisflow.results.survey import Survey
@@ -19,6 +20,9 @@ NORMALIZED = "y_over_h"
 ABSCISSAS = (NORMALIZED, "y", "z", "time", "x")
 POOLED = "mean of the stations"
 FEWEST_POINTS = 3
+BAND = (".low", ".high")
+GREATEST_SHIFT, SHIFTS = 0.1, 201
+"""Share of the time of a reference by which a curve is shifted at most, and how many are tried."""
 
 
 class Reference(NamedTuple):
@@ -40,8 +44,13 @@ class Reference(NamedTuple):
 
     @property
     def curves(self) -> list[str]:
-        """Return the names of the curves."""
-        return [name for name in self.table if name != self.abscissa]
+        """Return the names of the curves, bands not among them."""
+        return [name for name in self.table if name != self.abscissa and not name.endswith(BAND)]
+
+    def band(self, curve: str) -> tuple[Floats, Floats] | None:
+        """Return the least and greatest values of a curve, where the file has both."""
+        low, high = (self.table.get(curve + end) for end in BAND)
+        return None if low is None or high is None else (low, high)
 
 
 class Distance(NamedTuple):
@@ -59,6 +68,11 @@ class Distance(NamedTuple):
         Root mean square of the difference there, in the unit of the curve; nan without points.
     share : float
         ``rms`` over the range of the values of the reference.
+    shift, shifted_rms : float
+        Of a curve in time: by how many seconds it is moved to come nearest, at most by a tenth of
+        the time of the reference, and the ``rms`` then.
+    in_band : float
+        Share of the points within the band of the reference; nan without one.
     """
 
     reference: str
@@ -67,6 +81,9 @@ class Distance(NamedTuple):
     points: int
     rms: float
     share: float
+    shift: float = np.nan
+    shifted_rms: float = np.nan
+    in_band: float = np.nan
 
 
 COLUMNS = Distance._fields
@@ -74,6 +91,9 @@ HEAD = (
     "distance of the run from curves of references, at the points of the run within their range;",
     "  of y_over_h without the one at the surface, and none where fewer than three are left",
     "rms: in the unit of the curve; share: rms over the range of the values of the reference",
+    "shift, shifted_rms: s, by which a curve in time is moved to come nearest, at most by a tenth",
+    "  of the time of the reference, and rms then; in_band: share of the points within its band",
+    "of probes the running mean is compared",
 )
 
 
@@ -93,8 +113,9 @@ def read_reference(path: Path) -> Reference:
 
     The first column says against what the others are drawn; it and they have the names of our
     tables: ``y_over_h`` with ``u_over_us`` (also under any other name, of a closed form, say),
-    ``y`` or ``z`` with the columns of ``mean_profiles.csv``, ``time`` with those of ``front.csv``,
-    ``x`` with those of ``deposit_profile.csv``.
+    ``y`` or ``z`` with the columns of ``mean_profiles.csv``, ``time`` with those of ``front.csv``
+    or, as ``PROBE.COLUMN``, with those of a probe, ``x`` with those of ``deposit_profile.csv``.
+    ``NAME.low`` and ``NAME.high`` are the band of the curve ``NAME``.
 
     Raises
     ------
@@ -127,6 +148,8 @@ def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Flo
         If the run has none of these names.
     """
     name = curve
+    if reference.abscissa == "time" and curve not in found.fronts:
+        return {"run": _of_probe(found, reference, curve)}
     if reference.abscissa == "time":
         tables = {"run": found.fronts}
     elif reference.abscissa == "x":
@@ -143,6 +166,19 @@ def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Flo
                 + ", ".join(known)
             )
     return {label: (part[reference.abscissa], part[name]) for label, part in tables.items()}
+
+
+def _of_probe(found: Survey, reference: Reference, curve: str) -> tuple[Floats, Floats]:
+    """Return the running mean of a probe by ``PROBE.COLUMN``."""
+    known = {f"{one.probe}.{one.column}": one for one in found.probe_curves}
+    if curve not in known:
+        names = (*(name for name in found.fronts if name != "time"), *known)
+        raise OutputError(
+            f"reference {reference.name}: no column {curve} to compare with among "
+            + ", ".join(names)
+            + did_you_mean(curve, names)
+        )
+    return known[curve].time, known[curve].smooth
 
 
 def is_velocity(found: Survey, name: str) -> bool:
@@ -183,14 +219,50 @@ def distances(found: Survey, reference: Reference) -> list[Distance]:
             if reference.abscissa == NORMALIZED:
                 inside &= x < 1.0
                 inside &= np.count_nonzero(inside) >= FEWEST_POINTS
-            error = (
-                values[inside] - np.interp(x[inside], at, exact) if inside.any() else np.empty(0)
-            )
-            rms = float(np.sqrt(np.mean(error**2))) if error.size else np.nan
+            points = int(np.count_nonzero(inside))
+            rms = _rms(x[inside], values[inside], at, exact)
             extent = float(np.ptp(exact)) if exact.size else 0.0
             share = rms / extent if extent > 0.0 else np.nan
-            rows.append(Distance(reference.name, curve, label, error.size, rms, share))
+            shift, shifted = np.nan, np.nan
+            if reference.abscissa == "time" and points:
+                shift, shifted = _best_shift(x, values, at, exact)
+            part = _share_in_band(x[inside], values[inside], reference, curve)
+            row = Distance(reference.name, curve, label, points, rms, share, shift, shifted, part)
+            rows.append(row)
     return rows
+
+
+def _rms(x: Floats, values: Floats, at: Floats, exact: Floats) -> float:
+    """Return the rms of the difference to a curve at some points; nan without points."""
+    return float(np.sqrt(np.mean((values - np.interp(x, at, exact)) ** 2))) if x.size else np.nan
+
+
+def _best_shift(x: Floats, values: Floats, at: Floats, exact: Floats) -> tuple[float, float]:
+    """Return by how much a curve is moved to come nearest to another, and the rms then.
+
+    Of two that are as good the shorter way; at most half of the points may be left out.
+    """
+    most = GREATEST_SHIFT * float(at[-1] - at[0])
+    known = ~np.isnan(values)
+    x, values = x[known], values[known]
+    fewest = 0.5 * np.count_nonzero((x >= at[0]) & (x <= at[-1]))
+    best, least = 0.0, np.inf
+    for shift in sorted(np.linspace(-most, most, SHIFTS), key=abs):
+        moved = x + shift
+        inside = (moved >= at[0]) & (moved <= at[-1])
+        rms = _rms(moved[inside], values[inside], at, exact)
+        if np.count_nonzero(inside) >= fewest and rms < least:
+            best, least = float(shift), rms
+    return best, least
+
+
+def _share_in_band(x: Floats, values: Floats, reference: Reference, curve: str) -> float:
+    """Return the share of points that are within the band of a curve; nan without one."""
+    band, at = reference.band(curve), reference.table[reference.abscissa]
+    if band is None or x.size == 0:
+        return np.nan
+    low, high = (np.interp(x, at, side) for side in band)
+    return float(np.mean((values >= low) & (values <= high)))
 
 
 def distances_to_all(found: Survey, given: Sequence[Reference]) -> list[Distance]:

@@ -16,6 +16,7 @@ from debrisflow.results.budgets import budget_table, momentum_row, momentum_tabl
 from debrisflow.results.deposition import Deposition, deposition
 from debrisflow.results.frames import read_frame
 from debrisflow.results.fronts import Mobility, front_row, front_table, mobility, source_of
+from debrisflow.results.probe_curves import ProbeCurve, probe_curves
 from debrisflow.results.reader import BAR, Run
 from debrisflow.results.stations import (
     hydrograph_rows,
@@ -53,6 +54,8 @@ class Survey:
     deposits : list of Deposition
         At the first frame, at chosen times and at the last frame.
     mobility : Mobility
+    smoothing : float, s, or None
+        Span of the running means of probes; ten intervals of each if None.
     """
 
     run: Run
@@ -65,6 +68,12 @@ class Survey:
     momentum: Table
     deposits: list[Deposition]
     mobility: Mobility
+    smoothing: float | None
+
+    @cached_property
+    def probe_curves(self) -> list[ProbeCurve]:
+        """Return the curves of the probes, but those of sections."""
+        return probe_curves(self.run, self.smoothing)
 
     @cached_property
     def mean_profiles(self) -> Table:
@@ -95,6 +104,7 @@ def survey(
     stations: Sequence[float] = (),
     window: tuple[float, float] | None = None,
     times: Sequence[float] = (),
+    smoothing: float | None = None,
 ) -> Survey:
     """Measure the frames of a run, with a progress bar.
 
@@ -107,6 +117,8 @@ def survey(
         Over which profiles are averaged; the last fifth of the frames' time if left out.
     times : sequence of float, s
         At which the deposit is measured, each at the nearest frame, beside first and last.
+    smoothing : float, s, optional
+        Span of the running means of probes; ten intervals of each if left out.
 
     Raises
     ------
@@ -147,6 +159,7 @@ def survey(
         momentum=momentum_table(case, rows["momentum"]),
         deposits=deposits,
         mobility=mobility(case, fronts["time"], fronts["front_all"], source),
+        smoothing=smoothing,
     )
 
 

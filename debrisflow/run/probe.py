@@ -90,6 +90,11 @@ class Sampler:
         """Return the columns after the time, in two or three dimensions."""
         raise NotImplementedError
 
+    @staticmethod
+    def headline(dimension: int) -> tuple[str, ...]:
+        """Return the columns that plots and figures show."""
+        raise NotImplementedError
+
     def sample(self, state: State) -> tuple[float, ...]:
         """Return the values of the columns."""
         raise NotImplementedError

@@ -13,7 +13,9 @@ from debrisflow.results.plots.curves import (
     profile_figure,
 )
 from debrisflow.results.plots.maps import deposit_figure, maxima_figure
+from debrisflow.results.plots.probes import probe_figure
 from debrisflow.results.plots.style import caption, save, styled
+from debrisflow.results.probe_curves import told_span
 from debrisflow.results.references import Distance, Reference
 from debrisflow.results.survey import Survey
 
@@ -25,6 +27,7 @@ DESCRIPTIONS = {
         "concentration, above the bed."
     ),
     "hydrographs": "What went through the stations and sections.",
+    "probes": "Samples of the probes, and their running means.",
     "deposit": "Height of what lies at rest, and of the flow.",
     "maxima": "Greatest depth and speed, and when the flow arrived.",
     "budget": "Mass by matter and the error of its balance, energies, and forces along x.",
@@ -51,6 +54,12 @@ def draw(
             "maxima": ("Greatest values since the start", maxima_figure(found)),
             "budget": ("Budgets of mass, energy and momentum", budget_figure(found)),
         }
+        if found.probe_curves:
+            span = told_span(found.smoothing)
+            figures["probes"] = (
+                f"Probes: samples, and means over {span}",
+                probe_figure(found, given),
+            )
         return [
             save(figure, target / f"{name}.png", title, source)
             for name, (title, figure) in figures.items()

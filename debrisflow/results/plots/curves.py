@@ -72,7 +72,8 @@ def front_figure(found: Survey, given: Sequence[Reference]) -> Figure:
         )
     for reference in given:
         if reference.abscissa == "time":
-            for name, line in zip(reference.curves, LINES, strict=False):
+            shown = [name for name in reference.curves if name in table]
+            for name, line in zip(shown, LINES, strict=False):
                 label = f"{reference.name}: {name}"
                 axes = speed if name.startswith("speed") else place
                 axes.plot(reference.table["time"], reference.table[name], line, c="k", label=label)

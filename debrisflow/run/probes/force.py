@@ -57,6 +57,11 @@ class WallForce(Sampler):
             *(Column(f"impulse_{axis}", "N s", impulse, width) for axis in axes),
         )
 
+    @staticmethod
+    def headline(dimension: int) -> tuple[str, ...]:
+        """See :meth:`Sampler.headline`."""
+        return tuple(f"force_{axis}" for axis in "xyz"[:dimension])
+
     def sample(self, state: State) -> tuple[float, ...]:
         """Return force, moment and impulse, N, N m, N s, in two dimensions per meter of width."""
         kept, axes = state.sums[self._name], self._case.dimension

@@ -74,6 +74,11 @@ class Height(Sampler):
             ),
         )
 
+    @staticmethod
+    def headline(dimension: int) -> tuple[str, ...]:
+        """See :meth:`Sampler.headline`."""
+        return ("filled_height",)
+
     def sample(self, state: State) -> tuple[float, ...]:
         """Return height and filled height, m."""
         p, d0 = state.particles, self._d0

@@ -85,6 +85,11 @@ class PatchPressure(Sampler):
             Column("reaction", "Pa", f"{reaction}; {mean}; {other}"),
         )
 
+    @staticmethod
+    def headline(dimension: int) -> tuple[str, ...]:
+        """See :meth:`Sampler.headline`."""
+        return ("reaction", "pressure")
+
     def sample(self, state: State) -> tuple[float, ...]:
         """Return the mean pressure and the reaction, Pa."""
         pressure = float(self._share @ pressure_on(self._faces, self._case, state))

@@ -29,6 +29,11 @@ class BoxVolume(Sampler):
         unit, meaning = volume_unit(dimension), "of the particles in the box"
         return Column("volume", unit, meaning), Column("sediment_volume", unit, meaning)
 
+    @staticmethod
+    def headline(dimension: int) -> tuple[str, ...]:
+        """See :meth:`Sampler.headline`."""
+        return ("volume", "sediment_volume")
+
     def sample(self, state: State) -> tuple[float, ...]:
         """Return volume and volume of sediment, m3; in two dimensions m2."""
         p = state.particles
