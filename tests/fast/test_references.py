@@ -84,7 +84,7 @@ def test_only_points_within_the_range_of_the_reference_count(tmp_path, found):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("time,front\n0,1\n1,2\n", "reference bad: no column front to compare with among time"),
+        ("time,front\n0,1\n1,2\n", "reference bad: no column front to compare with among front_"),
         ("x,front_all\n0,1\n1,2\n", "reference bad: no column front_all to compare with"),
     ],
 )
