@@ -41,13 +41,13 @@ class Settled:
 
 
 def run(c: float, seed: int = 1, law: str = "wen-yu", spacing: float = 0.01) -> Settled:
-    """Let a column settle until the bed has rested for two seconds; 6 s in all."""
+    """Let a column settle until the bed has rested for two seconds; 7 s in all."""
     overrides = (
         f"fill.0.sediment_share={c}",
         f"particles.seed={seed}",
         f"particles.spacing={spacing}",
         f"drag.law={law}",
-        "time.end=6.0",  # the last grain may roll off the heap at 3.2 s
+        "time.end=7.0",  # the last grain may roll off the heap at 4.2 s
     )
     case = load_case(CASE, overrides)
     scheme, state = SemiImplicit(case), initial_state(case)
