@@ -97,8 +97,8 @@ class _Run:
         self.case, self.results, self.state = case, results, state
         self.probes, self.progress = probes, progress
         self.scheme = scheme_of(case)
-        useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
-        self.threads = set_threads(threads or min(cores(), useful))
+        self._given_threads, self.threads = threads, 1
+        self._set_threads()
         start, end, output = -case.time.relaxation, case.time.end, case.output
         self.frames = Schedule(output.interval, 0.0, end)
         self.deposits = Schedule(output.deposit_interval, 0.0, end)
@@ -114,6 +114,11 @@ class _Run:
             self.threads,
             THREADING_LAYER,
         )
+
+    def _set_threads(self) -> None:
+        """Use as many threads as the particles keep busy; their number is not in the results."""
+        useful = max(1, self.state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
+        self.threads = set_threads(self._given_threads or min(cores(), useful))
 
     def finish(self) -> dict[str, Any]:
         """Run to the end of the simulated time and return the summary."""
@@ -199,6 +204,7 @@ class _Run:
         if self.histories.is_due(state.time):
             row = history_row(self.case, state, iterations, self.scheme.lattice)
             self.results.write_history(row)
+            self._set_threads()
             if state.time >= 0.0:
                 found = flow(self.case, p, n0)
                 state.maxima.include(state.time, *found, spacing=self.case.particles.spacing)

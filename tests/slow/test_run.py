@@ -8,9 +8,11 @@ import shutil
 import numpy as np
 import pytest
 
+from debrisflow._jit import set_threads
 from debrisflow.case.defaults import complete
 from debrisflow.errors import DivergedError
 from debrisflow.particles.record import Kind
+from debrisflow.particles.state import initial_state
 from debrisflow.run import checkpoint, loop
 from debrisflow.run.measures import energies
 from debrisflow.schemes.semi_implicit import SemiImplicit
@@ -92,6 +94,21 @@ def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, ends, interrupt):
     whole, rest = (tmp_path / run / "maxima.csv" for run in ("whole", "rest"))
     assert whole.read_bytes() == rest.read_bytes()
     assert np.nanmax(ends[0].maxima.arrival_time) > stopped.time  # there was more to accumulate
+
+
+def test_a_run_takes_more_threads_as_particles_come_in_and_keeps_its_bits(tmp_path, monkeypatch):
+    case = bed_case(time={"end": 0.2}, output={"interval": 0.1})
+    at_start = initial_state(case).particles.unknown_count
+    monkeypatch.setattr(loop, "cores", lambda: 2)
+    monkeypatch.setattr(loop, "FEWEST_PARTICLES_A_THREAD", (at_start + 6) // 2)
+    try:
+        grown = loop.simulate(case, tmp_path / "grown")
+        alone = loop.simulate(case, tmp_path / "alone", threads=1)
+    finally:
+        set_threads(1)
+    assert (grown["threads"], alone["threads"]) == (2, 1)
+    files = [tmp_path / run / "history.csv" for run in ("grown", "alone")]
+    assert files[0].read_bytes() == files[1].read_bytes()
 
 
 @pytest.mark.parametrize("temperature", ["algebraic", "neighborhood"])
