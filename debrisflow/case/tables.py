@@ -20,6 +20,7 @@ from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensi
 from debrisflow.case.strength import AnyStrength, NoStrength
 
 EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
+FORMER_COLLISIONS = 0.8  # spacings within which particles of the explicit scheme collided
 DISCHARGE = "m2/s or m3/s"  # in two or in three dimensions
 
 
@@ -283,6 +284,14 @@ class ExplicitScheme(Table):
     jitter: float = quantity(
         "spacing", "greatest seeded displacement of a particle at the start", 0.01, ge=0, le=0.1
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_collisions(cls, data: Any) -> Any:
+        """Leave out what 0.1.0 wrote into every resolved case, and what has no effect any more."""
+        if isinstance(data, dict) and data.get("collision_distance") == FORMER_COLLISIONS:
+            return {key: value for key, value in data.items() if key != "collision_distance"}
+        return data
 
 
 def _scheme_type(table: Any) -> str:

@@ -162,6 +162,14 @@ class TestRoundTrip:
         assert reloaded(case, tmp_path) == case
 
 
+def test_a_resolved_case_of_three_dimensions_of_before_loads(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(dump_case(load_case(Path(__file__).parents[2] / "cases" / "still_tank3d.toml")))
+    path.write_text(path.read_text().replace("[scheme]\n", "[scheme]\ncollision_distance = 0.8\n"))
+    assert "collision_distance" in path.read_text()
+    assert "collision_distance" not in dump_case(load_case(path))
+
+
 # as it stood in the case file of every run folder, without the fields that have no default
 FORMER = """
 [strength]
