@@ -156,7 +156,11 @@ def resume(folder: Path, threads: int | None) -> None:
     """Continue the run in the folder RUN from its last checkpoint."""
     from debrisflow.run.loop import resume
 
-    _print_summary(resume(folder, threads=threads), folder)
+    summary = resume(folder, threads=threads)
+    if summary is None:
+        click.echo(f"{folder} has run to the end of its time; nothing is changed")
+    else:
+        _print_summary(summary, folder)
 
 
 def _print_summary(summary: dict[str, Any], folder: Path) -> None:

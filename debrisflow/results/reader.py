@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +13,16 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase, load_case
 from debrisflow.errors import OutputError
 from debrisflow.results.frames import Frame, read_frame
-from debrisflow.run.folder import CASE, DEPOSIT, FRAMES, HISTORY, LOG, MAXIMA, PROBES, SUMMARY
+from debrisflow.run.folder import (
+    CASE,
+    DEPOSIT,
+    FRAMES,
+    HISTORY,
+    LOG,
+    MAXIMA,
+    PROBES,
+    read_summary,
+)
 from debrisflow.run.history import COLUMNS as HISTORY_COLUMNS
 from debrisflow.run.maxima import COLUMNS as MAXIMA_COLUMNS
 from debrisflow.run.tables import Table, read_table, rows_where
@@ -74,10 +82,15 @@ class Run:
         return np.array([time for time, _ in self.files])
 
     def frame(self, time: float = np.inf) -> Frame:
-        """Return the frame that is nearest to a time, s; the last one by default."""
-        times = self.times
-        nearest = len(times) - 1 if np.isinf(time) else int(np.argmin(np.abs(times - time)))
-        return read_frame(*self.files[nearest])
+        """Return the frame that is nearest to a time, s; the last one by default.
+
+        Raises
+        ------
+        OutputError
+            If there is none near that time, as :meth:`nearest` says, or it is damaged.
+        """
+        number = len(self.files) - 1 if np.isinf(time) else self.nearest([time])[0]
+        return read_frame(*self.files[number])
 
     def nearest(self, times: Iterable[float]) -> list[int]:
         """Return the numbers of the frames nearest to some times, s, without repetition.
@@ -132,14 +145,7 @@ class Run:
     @cached_property
     def summary(self) -> dict[str, Any]:
         """Return what the run said of itself at its end; empty while it is running."""
-        file = self.folder / SUMMARY
-        if not file.is_file():
-            return {}
-        try:
-            summary: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise OutputError(f"{file} is damaged: {error}") from error
-        return summary
+        return read_summary(self.folder)
 
     @cached_property
     def warnings(self) -> list[str]:

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from debrisflow.errors import OutputError
 from debrisflow.particles.state import PHASES
@@ -26,6 +25,7 @@ from debrisflow.results.stations import (
     profile_columns,
     profile_rows,
 )
+from debrisflow.run.bar import bar
 from debrisflow.run.measures import particle_volume
 from debrisflow.run.tables import Row, Table
 from debrisflow.space.plan_grid import floor_length
@@ -136,7 +136,7 @@ def survey(
     wanted = {0, len(at) - 1, *run.nearest(times)}
     rows: dict[str, list[Row]] = {name: [] for name in ("front", "profile", "station", "momentum")}
     deposits: list[Deposition] = []
-    progress = tqdm(run.files, desc=f"{run.name}: frames", bar_format=BAR)
+    progress = bar(run.files, desc=f"{run.name}: frames", bar_format=BAR)
     for number, (time, file) in enumerate(progress):
         frame = read_frame(time, file)
         rows["front"].append(front_row(case, frame))

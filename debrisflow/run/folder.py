@@ -44,6 +44,7 @@ DERIVED = (
     "hydrographs.csv",
     "mean_profiles.csv",
     "momentum.csv",
+    "probes.csv",
     "profiles.csv",
     "budget.png",
     "deposit.png",
@@ -51,6 +52,7 @@ DERIVED = (
     "hydrographs.png",
     "maxima.png",
     "normalized_profiles.png",
+    "probes.png",
     "profiles.png",
     "report.html",
 )
@@ -245,3 +247,21 @@ def _clear(path: Path, overwrite: bool) -> None:
     for folder in (path / name for name in (FOLDER, PROBES, POSTPROCESS, PICTURES)):
         if folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
+
+
+def read_summary(folder: Path) -> dict[str, Any]:
+    """Return what a run said of itself at its end; empty while it is running.
+
+    Raises
+    ------
+    OutputError
+        If the file is damaged.
+    """
+    file = folder / SUMMARY
+    if not file.is_file():
+        return {}
+    try:
+        summary: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise OutputError(f"{file} is damaged: {error}") from error
+    return summary

@@ -16,7 +16,7 @@ from debrisflow.case import ResolvedCase, load_case
 from debrisflow.errors import DivergedError, NotConvergedError, OutputError
 from debrisflow.particles.state import State, initial_state
 from debrisflow.run import checkpoint
-from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder
+from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder, read_summary
 from debrisflow.run.history import history_row
 from debrisflow.run.measures import deposit_profile, flow
 from debrisflow.run.probe import Sampler
@@ -31,6 +31,7 @@ MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
 INTERRUPTED = "interrupted"
+ENDED, EMPTY = "end of the simulated time", "no fluid is left"
 
 
 def simulate(
@@ -66,9 +67,14 @@ def simulate(
         return run.finish()
 
 
-def resume(folder: Path, threads: int | None = None) -> dict[str, Any]:
-    """Continue the run of a folder from its last checkpoint; see :func:`simulate`."""
+def resume(folder: Path, threads: int | None = None) -> dict[str, Any] | None:
+    """Continue the run of a folder from its last checkpoint; see :func:`simulate`.
+
+    A run that has come to its end is left as it is, and None is returned.
+    """
     case = load_case(folder / CASE)
+    if read_summary(folder).get("end_reason") in (ENDED, EMPTY):
+        return None
     state = checkpoint.load(folder / CHECKPOINT)
     if case.has_surfaces and state.particles.count > state.particles.moving.stop:
         raise OutputError(
@@ -140,7 +146,7 @@ class _Run:
         state = self.state
         while state.time < self.case.time.end:
             if state.particles.moving.stop == 0:
-                return "no fluid is left"
+                return EMPTY
             if self._stops_at_checkpoint():
                 return INTERRUPTED
             before = state.time
@@ -150,7 +156,7 @@ class _Run:
             self.write(iterations)
             self.sample(before)
             self.progress.count(state)
-        return "end of the simulated time"
+        return ENDED
 
     def _stops_at_checkpoint(self) -> bool:
         """Save a checkpoint that is due, and return whether the run is to stop there.

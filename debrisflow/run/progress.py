@@ -6,13 +6,11 @@ from time import perf_counter
 from types import TracebackType
 from typing import Self
 
-from tqdm import tqdm
-
 from debrisflow._jit import COMPILATIONS
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import State
+from debrisflow.run.bar import bar, pause
 
-SHORTEST_PAUSE = 0.5  # s between two redrawings
 BAR = "{percentage:3.0f}% |{bar:20}| {desc}"
 
 
@@ -42,11 +40,10 @@ class Progress:
         self._start, self._compiled = perf_counter(), COMPILATIONS.seconds
         self._drawn = self._start
         self._seen = self._compiled
-        self._bar = tqdm(
+        self._bar = bar(
             total=case.time.end + self._relaxation,
             initial=state.time + self._relaxation,
             bar_format=BAR,
-            mininterval=SHORTEST_PAUSE,
         )
 
     @property
@@ -77,7 +74,7 @@ class Progress:
 
     def _show_compiling(self, seconds: float) -> None:
         now = perf_counter()
-        if now - self._drawn >= SHORTEST_PAUSE:
+        if now - self._drawn >= pause():
             self._drawn = now
             self._bar.bar_format = BAR
             self._bar.set_description_str(

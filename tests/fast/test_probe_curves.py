@@ -14,6 +14,7 @@ from debrisflow.results.postprocess import postprocess
 from debrisflow.results.probe_curves import ProbeCurve, figures_of, smoothed
 from debrisflow.results.references import distances, read_reference
 from debrisflow.results.survey import survey
+from debrisflow.run.folder import DERIVED
 from tests.recording import cells, channel_case, placed, record, sliding
 
 TIME = np.arange(0.0, 1.0001, 0.01)
@@ -99,6 +100,7 @@ def test_what_does_not_change_has_no_arrival_and_a_height_no_impulse():
 def test_probes_have_a_table_and_a_plot(folder, found):
     files, _ = postprocess(found)
     assert {"probes.csv", "probes.png"} <= {file.name for file in files}
+    assert {file.name for file in files} <= set(DERIVED)  # removed when the run is repeated
     with (folder / "postprocess" / "probes.csv").open() as lines:
         rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     named = [(row["probe"], row["column"], row["unit"]) for row in rows]

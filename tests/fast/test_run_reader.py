@@ -106,9 +106,12 @@ def test_a_frame_without_one_of_its_arrays_is_told(run):
 
 def test_the_nearest_frame_and_the_last_are_found_by_time(run):
     opened = open_run(run)
-    assert opened.frame().time == opened.frame(9.0).time == pytest.approx(0.2)
+    assert opened.frame().time == opened.frame(0.24).time == pytest.approx(0.2)
     assert opened.frame(0.12).time == pytest.approx(0.1)
     assert [frame.time for frame in opened.frames()] == pytest.approx([0.0, 0.1, 0.2])
+    for time in (9.0, -1.0):
+        with pytest.raises(OutputError, match=r"no frame at t = .* 3 frames from 0 to 0\.2 s"):
+            opened.frame(time)
 
 
 def test_a_frame_holds_what_was_written(run):

@@ -7,9 +7,11 @@ import shutil
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from debrisflow._jit import set_threads
 from debrisflow.case.defaults import complete
+from debrisflow.cli import main
 from debrisflow.errors import DivergedError
 from debrisflow.particles.record import Kind
 from debrisflow.particles.state import initial_state
@@ -109,6 +111,16 @@ def test_a_run_takes_more_threads_as_particles_come_in_and_keeps_its_bits(tmp_pa
     assert (grown["threads"], alone["threads"]) == (2, 1)
     files = [tmp_path / run / "history.csv" for run in ("grown", "alone")]
     assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_a_run_that_has_come_to_its_end_is_not_changed_by_resuming_it(tmp_path):
+    run = tmp_path / "run"
+    loop.simulate(tank_case(6, 6, "water", time={"end": 0.02}, output={"interval": 0.01}), run)
+    before = {file: file.read_bytes() for file in run.rglob("*") if file.is_file()}
+    result = CliRunner().invoke(main, ["resume", str(run)])
+    assert result.exit_code == 0, result.output
+    assert "has run to the end of its time" in result.output
+    assert {file: file.read_bytes() for file in run.rglob("*") if file.is_file()} == before
 
 
 @pytest.mark.parametrize("temperature", ["algebraic", "neighborhood"])

@@ -10,7 +10,6 @@ import pyvista
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 from PIL import Image
-from tqdm import tqdm
 
 from debrisflow.errors import OutputError
 from debrisflow.particles.record import Kind
@@ -36,6 +35,7 @@ from debrisflow.results.pictures.sheet import TEXT, Sheet, layout
 from debrisflow.results.pictures.views import Window
 from debrisflow.results.reader import BAR, Run, open_run
 from debrisflow.run.atomic import replaced
+from debrisflow.run.bar import bar
 from debrisflow.run.folder import PICTURES
 
 PANELS = 6
@@ -88,7 +88,7 @@ def render(
     moving = np.unique(np.linspace(0, len(run.files) - 1, MOST_FRAMES).round().astype(int))
     require_offscreen()
     with pyvista.vtk_verbosity("off"):  # VTK tells that there is no screen
-        frames = [shown(run, number) for number in tqdm(chosen, desc="reading:", bar_format=BAR)]
+        frames = [shown(run, number) for number in bar(chosen, desc="reading:", bar_format=BAR)]
         by = by or default_field(frames)
         painter = Painter(run, scale_of(frames, by), kinds_of(frames))
         views = views_of(run, frames, moving, view)
@@ -143,7 +143,7 @@ def views_of(
         return [PerspectivePanels(case, extent), PlanPanels(case, frames), side]
     if part is not None:
         return [SidePanels(case, Window(*part))]
-    read = tqdm(moving, desc="finding the highest flow:", bar_format=BAR)
+    read = bar(moving, desc="finding the highest flow:", bar_format=BAR)
     extents += [extent_of(case, shown(run, number)) for number in read]
     return [SidePanels(case, side_window(case, highest(extents)))]
 
@@ -195,7 +195,7 @@ class Painter:
     def page(self, view: Panels, frames: Sequence[Frame]) -> Image.Image:
         """Return a page with a panel a frame."""
         sheet = self.sheet(view, len(frames), DOTS)
-        for number, frame in enumerate(tqdm(frames, desc=f"{view.name}, panels:", bar_format=BAR)):
+        for number, frame in enumerate(bar(frames, desc=f"{view.name}, panels:", bar_format=BAR)):
             axes = sheet.panel(number)
             self.fill(axes, sheet, view, frame)
             sheet.label(axes, number)
@@ -206,7 +206,7 @@ class Painter:
         sheet = self.sheet(view, 1, DOTS_OF_ANIMATION)
         axes = sheet.panel(0)
         pictures: list[Image.Image] = []
-        for number in tqdm(numbers, desc=f"{view.name}, animation:", bar_format=BAR):
+        for number in bar(numbers, desc=f"{view.name}, animation:", bar_format=BAR):
             axes.clear()
             self.fill(axes, sheet, view, shown(self.run, number))
             sheet.label(axes, 0)
