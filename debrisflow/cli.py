@@ -92,9 +92,19 @@ _window = click.option(
     type=numbers_type(2, are_intervals=True),
     help="Times over which profiles and probes are averaged, s: T0,T1; the last fifth if left out.",
 )
+
+
+def _finite(_: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
+    """Refuse a time that is no number or without end."""
+    if value is not None and not math.isfinite(value):
+        raise click.BadParameter(f"{value} is not a time", param=parameter)
+    return value
+
+
 _smooth = click.option(
     "--smooth",
     type=click.FloatRange(min=0.0),
+    callback=_finite,
     help="Time over which samples of probes are averaged, s; ten of their intervals if left out.",
 )
 _references = click.option(

@@ -2,7 +2,7 @@
 
 python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
                            [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube] [heap]
-                           [film3d] [deposit3d] [dams] [ground3d] [st_helens] [impact]
+                           [film3d] [deposit3d] [dams] [ground3d] [st_helens] [impact] [jet]
 
 ``fine_flume`` takes about an hour, ``marin`` and ``heap`` half an hour, ``collapse`` and ``flume``
 about ten minutes, the others five or less each.
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from time import perf_counter
 
@@ -31,6 +32,7 @@ from tests.validation import (
     granular_shear,
     hydrostatic,
     impact,
+    plate_jet,
     rough_film,
     settling,
     viscous,
@@ -68,13 +70,14 @@ def print_viscous() -> None:
             viscous.error(flow, 20, u, (0.05, 0.1, 0.2, 0.5, 1.0)) for u in (1.25e-5, 1.25e-3)
         ]
         click.echo(f"{flow}, 20 rows: {errors[0]:.2%}; rows pass each other: {errors[1]:.2%}")
-    for film in ((0.026, 0.095, 0.0095), (0.026, 0.003, 0.004)):
-        exact = rough_film.mean_speed(*film)
-        films = [rough_film.run(rows, *film) for rows in (1, 2, 4, 8, 16)]
+    for dimension, film in product((2, 3), ((0.026, 0.095, 0.0095), (0.026, 0.003, 0.004))):
+        exact, counts = rough_film.mean_speed(*film), (1, 2, 4, 8)
+        films = [rough_film.run(rows, *film, dimension) for rows in counts]
         found = [f"{each.speed / exact - 1.0:+.1%}, {1e3 * each.across:.0f} mm/s" for each in films]
         click.echo(
-            f"turbulent film {film[0]} m deep, roughness {film[1]} m, mixing length {film[2]} m: "
-            f"mean speed in 1, 2, 4, 8, 16 rows against {exact:.3f} m/s: {', '.join(found)}"
+            f"turbulent film in {dimension} dimensions, {film[0]} m deep, roughness {film[1]} m, "
+            f"mixing length {film[2]} m: mean speed in 1, 2, 4, 8 rows against {exact:.3f} m/s: "
+            f"{', '.join(found)}"
         )
 
 
@@ -121,6 +124,18 @@ def print_impact() -> None:
             )
         theirs = impact.mean(*measured["p2"].T, *impact.PLATEAU)
         click.echo(f"  measured: mean {theirs / 1e3:.2f} kPa")
+
+
+def print_jet() -> None:
+    """Print thrust and pressure of a jet on a plate, beside potential flow."""
+    for dimension, rows in ((2, 4), (2, 8), (2, 16), (3, 8)):
+        found = plate_jet.run(dimension, rows)
+        click.echo(
+            f"jet on a plate, {dimension} dimensions, {rows} rows: thrust {found.thrust:.3f} of "
+            f"rho Q u; pressure by the reaction in steps of half the thickness "
+            f"{found.pressure.round(3).tolist()}, potential flow "
+            f"{found.expected.round(3).tolist()}; by the fluid at the foot {found.by_fluid:.2f}"
+        )
 
 
 def print_shear() -> None:
@@ -313,6 +328,7 @@ PARTS: dict[str, Callable[[], None]] = {
     "viscous": print_viscous,
     "dam_break": print_dam_break,
     "impact": print_impact,
+    "jet": print_jet,
     "shear": print_shear,
     "settling": print_settling,
     "collapse": print_collapse,

@@ -20,7 +20,6 @@ from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensi
 from debrisflow.case.strength import AnyStrength, NoStrength
 
 EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
-FORMER_COLLISIONS = 0.8  # spacings within which particles of the explicit scheme collided
 DISCHARGE = "m2/s or m3/s"  # in two or in three dimensions
 
 
@@ -245,7 +244,11 @@ class Scheme(Table):
         le=1,
     )
     collision_restitution: float = quantity(
-        NONE, "coefficient of restitution of collisions with walls and particles", 0.2, ge=0, le=1
+        NONE,
+        "coefficient of restitution of bounces off walls, and in the form study of collisions",
+        0.2,
+        ge=0,
+        le=1,
     )
 
 
@@ -288,8 +291,8 @@ class ExplicitScheme(Table):
     @model_validator(mode="before")
     @classmethod
     def _without_collisions(cls, data: Any) -> Any:
-        """Leave out what 0.1.0 wrote into every resolved case, and what has no effect any more."""
-        if isinstance(data, dict) and data.get("collision_distance") == FORMER_COLLISIONS:
+        """Leave out what every resolved case of before has, and what has no effect any more."""
+        if isinstance(data, dict):
             return {key: value for key, value in data.items() if key != "collision_distance"}
         return data
 

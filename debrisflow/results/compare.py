@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,12 +13,13 @@ from debrisflow.errors import OutputError
 from debrisflow.results.answers import answers, answers_by_heading
 from debrisflow.results.parameters import differences
 from debrisflow.results.plots.comparison import draw_comparison
-from debrisflow.results.probe_curves import figures_of
 from debrisflow.results.survey import Survey
 from debrisflow.run.tables import write_table
 
 ABSENT = "-"
-VALUES = ("peak", "smooth_peak", "mean")  # of probes that are compared
+PROBES, MOST_PRINTED = "Probes", 30
+VALUES = ("arrival", "peak", "peak_time", "smooth_peak", "impulse", "mean", "deviation")
+UNITS = {"arrival": "s", "peak_time": "s", "impulse": "{} s"}
 
 
 class Comparison(NamedTuple):
@@ -64,7 +66,7 @@ def compare(found: Sequence[Survey], target: Path) -> tuple[Comparison, list[Pat
     """
     if len({one.run.case.dimension for one in found}) > 1:
         raise OutputError("runs of two and of three dimensions cannot be compared")
-    names = _names(found)
+    names, found = _names(found), _evenly_smoothed(found)
     rows = differences([one.run.case for one in found])
     differing = [
         (next(part.key for part in row if part), *(part.told if part else ABSENT for part in row))
@@ -115,29 +117,37 @@ def _figures(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]
 
 def _probes(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
     """Return the figures of the curves of probes that all runs have."""
-    known = [
-        {
-            (row.probe, row.column): row
-            for row in (figures_of(c, one.window) for c in one.probe_curves)
-        }
-        for one in found
-    ]
+    known = [{(row.probe, row.column): row for row in one.probe_figures} for one in found]
     rows = []
     for key, first in known[0].items():
-        if all(key in one for one in known):
-            for name, unit in (("arrival", "s"), *((name, first.unit) for name in VALUES)):
-                values = [float(getattr(one[key], name)) for one in known]
-                rows.append(("Probes", f"{'_'.join(key)}_{name}", unit, values))
+        if not all(key in one for one in known):
+            continue
+        for name in VALUES:
+            values = [float(getattr(one[key], name)) for one in known]
+            if not np.isnan(values).all():
+                unit = UNITS.get(name, "{}").format(first.unit)
+                rows.append((PROBES, f"{'_'.join(key)}_{name}", unit, values))
     return rows
 
 
+def _evenly_smoothed(found: Sequence[Survey]) -> list[Survey]:
+    """Return surveys whose running means go over the same time: the longest of all, if none."""
+    spans = [curve.span for one in found for curve in one.probe_curves]
+    if not spans or found[0].smoothing is not None:
+        return list(found)
+    return [replace(one, smoothing=max(spans)) for one in found]
+
+
 def table_lines(together: Comparison) -> list[str]:
-    """Return parameters and figures, but those of stations, as lines with columns."""
+    """Return parameters and figures as lines with columns, without stations and many probes."""
     lines = [(name, *values) for name, *values in together.differing]
+    left_out = {"Stations"}
+    if sum(heading == PROBES for heading, *_ in together.figures) > MOST_PRINTED:
+        left_out.add(PROBES)
     figures = [
         (f"{name}, {unit}" if unit != ABSENT else name, *map(_told, values))
         for heading, name, unit, values in together.figures
-        if heading != "Stations" and not np.isnan(values).all()
+        if heading not in left_out and not np.isnan(values).all()
     ]
     rows = [("", *together.names), *lines, *figures]
     widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]

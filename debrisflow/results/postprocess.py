@@ -14,7 +14,7 @@ from debrisflow.results.budgets import budget_head, momentum_head
 from debrisflow.results.deposition import deposit_head, deposit_table
 from debrisflow.results.fronts import HEAD as FRONT_HEAD
 from debrisflow.results.plots import draw
-from debrisflow.results.references import Distance, Reference, distances_to_all
+from debrisflow.results.references import DILATANT, Distance, Reference, distances_to_all
 from debrisflow.results.survey import Survey
 from debrisflow.run.folder import POSTPROCESS
 from debrisflow.run.tables import Row, Table, write_table
@@ -68,22 +68,21 @@ def _told(rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
             lines.append(f"section {row.quantity.removesuffix('_arrival')}: {when}")
         elif row.quantity in TOLD and not np.isnan(row.value):
             lines.append(f"{row.quantity} = {row.value:.4g} {row.unit}: {row.meaning}")
-    for one in measured:
-        if one.points:
-            curve = f"{one.reference}, {one.curve}"
-            lines.append(
-                f"distance to {curve}, {one.ours}: rms {one.rms:.3g} at {one.points} points"
-                + _told_shift(one)
-            )
+    lines += [_told_distance(one) for one in measured if one.points or one.reference != DILATANT]
     return lines
 
 
-def _told_shift(one: Distance) -> str:
-    """Return what is known of a curve in time beside its distance."""
-    if np.isnan(one.shift):
-        return ""
-    band = "" if np.isnan(one.in_band) else f"; {one.in_band:.0%} of them within its band"
-    return f"; {one.shifted_rms:.3g} moved by {one.shift:+.3g} s{band}"
+def _told_distance(one: Distance) -> str:
+    """Return the distance of a curve as a line."""
+    curve = f"distance to {one.reference}, {one.curve}, {one.ours}: "
+    if not one.points:
+        return curve + "the run has no points within its range"
+    shift = band = ""
+    if not np.isnan(one.shift):
+        shift = f"; {one.shifted_rms:.3g} if the run is moved by {one.shift:+.3g} s"
+    if not np.isnan(one.in_band):
+        band = f"; {one.in_band:.0%} of the points within the band"
+    return f"{curve}rms {one.rms:.3g} at {one.points} points{shift}{band}"
 
 
 def _write_tables(
@@ -119,9 +118,8 @@ def _write_tables(
     ]
     if found.probe_curves:
         span = {"span": probe_curves.told_span(found.smoothing)}
-        figures_of = [probe_curves.figures_of(curve, found.window) for curve in found.probe_curves]
         head = _filled(probe_curves.HEAD, span | window)
-        tables.append(("probes", probe_curves.COLUMNS, head, figures_of))
+        tables.append(("probes", probe_curves.COLUMNS, head, found.probe_figures))
     for name, columns, head, lines in tables:
         paths.append(target / f"{name}.csv")
         write_table(paths[-1], columns, head, lines)

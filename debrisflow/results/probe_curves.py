@@ -1,4 +1,4 @@
-"""The samples of the probes of a run as curves: smoothed, with arrival, peaks, impulse and mean."""
+"""The samples of the probes of a run as curves: running means, arrivals, peaks, impulses."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case.probe import Probe
+from debrisflow.case.words import did_you_mean, either
+from debrisflow.errors import OutputError
 from debrisflow.results.reader import Run
-from debrisflow.results.stations import flow_probes, is_within
+from debrisflow.results.stations import is_within
 from debrisflow.run.probes import columns_of, sampler_of
 
 Floats = NDArray[np.float64]
-SMOOTHED = 10  # intervals of a probe over which its curve is smoothed, unless told otherwise
+SMOOTHED = 10  # intervals of a probe over which its running mean goes, if no time is given
 ARRIVED = 0.05  # of the greatest change, by which something has arrived
-LOADS = ("Pa", "N")
+LEAST_CHANGE = 0.01  # of the greatest magnitude; what changes by less does not arrive
+WITH_IMPULSE = ("Pa", "N")
 
 
 class ProbeCurve(NamedTuple):
@@ -25,9 +28,12 @@ class ProbeCurve(NamedTuple):
     ----------
     probe, column, unit : str
     time, values, smooth : (n,) float64 array
-        Samples, and their running mean.
+        Samples, and their running mean; a mean since the row before stands in the middle of the
+        time over which it was taken.
+    impulse : float
+        The integral over time, of pressures and forces, else nan.
     span : float, s
-        Over which the mean runs.
+        Over which the running mean goes.
     """
 
     probe: str
@@ -36,24 +42,27 @@ class ProbeCurve(NamedTuple):
     time: Floats
     values: Floats
     smooth: Floats
+    impulse: float
     span: float
 
 
 class ProbeFigures(NamedTuple):
-    """What a curve comes to, a row of ``probes.csv``; nan where it has no answer.
+    """The figures of a curve, a row of ``probes.csv``; nan where it has no answer.
 
     Attributes
     ----------
     probe, column, unit : str
     arrival : float, s
-        When the smooth curve has first changed by 5 % of its greatest change.
+        The first sample that has changed by 5 % of the greatest change of the running mean, and
+        from which on the mean over its span has too; nan if that changes by less than 1 % of the
+        greatest magnitude.
     peak, peak_time : float
         The sample of greatest magnitude, and its time, s.
     smooth_peak : float
-        That of the smooth curve.
+        That of the running mean.
     impulse : float
         The integral over time, of pressures and forces.
-    mean, scatter : float
+    mean, deviation : float
         Mean and standard deviation of the samples within the window.
     """
 
@@ -66,49 +75,55 @@ class ProbeFigures(NamedTuple):
     smooth_peak: float
     impulse: float
     mean: float
-    scatter: float
+    deviation: float
 
 
 COLUMNS = ProbeFigures._fields
 HEAD = (
     "a row for each curve of a probe; those of sections are in answers.csv",
-    "arrival: s, when the smooth curve has first changed by 5 % of its greatest change",
+    "arrival: s, of the first sample that has changed by 5 % of the greatest change of the running",
+    "  mean over {span}, and from which on the mean has too; nan if it hardly changes",
     "peak, peak_time: the sample of greatest magnitude, and its time in s; smooth_peak: of the",
-    "  running mean over {span}",
+    "  running mean",
     "impulse: integral over time, of pressures and forces, in the unit times s",
-    "mean, scatter: mean and standard deviation of the samples from {start:g} to {end:g} s",
+    "mean, deviation: mean and standard deviation of the samples from {start:g} to {end:g} s",
 )
 
 
-def smoothed(time: Floats, values: Floats, span: float) -> Floats:
+def running_mean(time: Floats, values: Floats, span: float) -> Floats:
     """Return the mean over a span of time around each sample, at the ends over what there is.
 
     Examples
     --------
-    >>> smoothed(np.arange(5.0), np.array([0.0, 0.0, 4.0, 0.0, 0.0]), 2.0)
+    >>> running_mean(np.arange(5.0), np.array([0.0, 0.0, 4.0, 0.0, 0.0]), 2.0)
     array([0., 1., 2., 1., 0.])
     """
-    if time.size < 2 or span <= 0.0:
+    return _mean_between(time, values, time - 0.5 * span, time + 0.5 * span)
+
+
+def _mean_between(time: Floats, values: Floats, start: Floats, end: Floats) -> Floats:
+    """Return means of the straight lines between the samples over spans of time."""
+    if time.size < 2:
         return values.copy()
+    first, last = np.maximum(start, time[0]), np.minimum(end, time[-1])
+    length = last - first
     steps = np.diff(time)
     total = np.concatenate([[0.0], np.cumsum(0.5 * steps * (values[1:] + values[:-1]))])
-    first = np.maximum(time - 0.5 * span, time[0])
-    last = np.minimum(time + 0.5 * span, time[-1])
-    ends = (_integral_to(at, time, values, total) for at in (first, last))
-    before, after = ends
-    return np.asarray((after - before) / (last - first))
+    gained = _integral_to(last, time, values, total) - _integral_to(first, time, values, total)
+    return np.where(length > 0.0, gained / np.where(length > 0.0, length, 1.0), values)
 
 
 def _integral_to(at: Floats, time: Floats, values: Floats, total: Floats) -> Floats:
-    """Return the integral of the straight lines between the samples up to some times."""
     row = np.clip(np.searchsorted(time, at, side="right") - 1, 0, time.size - 2)
-    part = at - time[row]
-    slope = (values[row + 1] - values[row]) / (time[row + 1] - time[row])
+    part, step = at - time[row], time[row + 1] - time[row]
+    slope = (values[row + 1] - values[row]) / np.where(step > 0.0, step, 1.0)
     return np.asarray(total[row] + part * (values[row] + 0.5 * slope * part))
 
 
 def probe_curves(run: Run, span: float | None = None) -> list[ProbeCurve]:
-    """Return the curves of the probes of a run, but those of sections, from t = 0 on.
+    """Return the curves by which the probes of a run are shown, from t = 0 on.
+
+    Those that have no samples, as a patch on a mesh has no reaction, are left out.
 
     Parameters
     ----------
@@ -121,46 +136,90 @@ def probe_curves(run: Run, span: float | None = None) -> list[ProbeCurve]:
     OutputError
         If the file of a probe is missing or damaged.
     """
-    sections = {probe.name for probe in flow_probes(run.case)}
-    shown = [probe for probe in run.case.probe if probe.name not in sections]
-    return [curve for probe in shown for curve in _curves(run, probe, span)]
+    found = [
+        _curve(run, probe, column, span)
+        for probe in run.case.probe
+        for column in sampler_of(probe.type).headline(run.case.dimension)
+    ]
+    return [curve for curve in found if curve is not None]
 
 
-def _curves(run: Run, probe: Probe, span: float | None) -> list[ProbeCurve]:
-    dimension, table = run.case.dimension, run.probe(probe.name)
-    units = {column.name: column.unit for column in columns_of(probe, dimension)}
-    found = []
-    for name in sampler_of(probe.type).headline(dimension):
-        known = (table["time"] >= 0.0) & ~np.isnan(table[name])
-        time, values = table["time"][known], table[name][known]
-        over = SMOOTHED * probe.interval if span is None else span
-        if time.size:
-            smooth = smoothed(time, values, over)
-            found.append(ProbeCurve(probe.name, name, units[name], time, values, smooth, over))
-    return found
+def probe_curve(run: Run, name: str, span: float | None = None) -> ProbeCurve:
+    """Return the curve of any column of a probe, called ``PROBE.COLUMN``.
+
+    Raises
+    ------
+    OutputError
+        If there is no such probe or column, or it has no samples.
+    """
+    probes = {probe.name: probe for probe in run.case.probe}
+    own, _, column = name.partition(".")
+    if own not in probes:
+        there = f"its probes are {either(probes)}" if probes else "it has no probes"
+        raise OutputError(f"{run.folder} has no probe {own}; {there}{did_you_mean(own, probes)}")
+    columns = [one.name for one in columns_of(probes[own], run.case.dimension)]
+    if column not in columns:
+        raise OutputError(
+            f"probe {own} has no column {column or 'given'}, but {either(columns)}"
+            + did_you_mean(column, columns)
+        )
+    curve = _curve(run, probes[own], column, span)
+    if curve is None:
+        raise OutputError(f"probe {own} has no samples of {column} in {run.folder}")
+    return curve
+
+
+def _curve(run: Run, probe: Probe, column: str, span: float | None) -> ProbeCurve | None:
+    """Return the curve of a column; None if the file has no numbers of it."""
+    table, sampler = run.probe(probe.name), sampler_of(probe.type)
+    if column not in table:
+        return None  # of an older version
+    unit = {one.name: one.unit for one in columns_of(probe, run.case.dimension)}[column]
+    known = (table["time"] >= 0.0) & ~np.isnan(table[column])
+    time, values = table["time"][known], table[column][known]
+    if time.size == 0:
+        return None
+    impulse = np.nan
+    if column.startswith(sampler.averaged):
+        if unit in WITH_IMPULSE:
+            impulse = float(np.sum(values[1:] * np.diff(time)))
+        time = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1])])
+    elif unit in WITH_IMPULSE:
+        impulse = float(np.trapezoid(values, time))
+    over = SMOOTHED * probe.interval if span is None else span
+    smooth = running_mean(time, values, over)
+    return ProbeCurve(probe.name, column, unit, time, values, smooth, impulse, over)
 
 
 def figures_of(curve: ProbeCurve, window: tuple[float, float]) -> ProbeFigures:
-    """Return what a curve comes to, with mean and scatter within a window of time, s."""
-    changed = np.abs(curve.smooth - curve.smooth[0])
-    arrived = changed > ARRIVED * changed.max()
+    """Return the figures of a curve, with mean and deviation within a window of time, s."""
     peak = int(np.argmax(np.abs(curve.values)))
     inside = curve.values[is_within(curve.time, window)]
-    is_load = curve.unit in LOADS
     return ProbeFigures(
         probe=curve.probe,
         column=curve.column,
         unit=curve.unit,
-        arrival=float(curve.time[np.argmax(arrived)]) if arrived.any() else np.nan,
+        arrival=_arrival(curve),
         peak=float(curve.values[peak]),
         peak_time=float(curve.time[peak]),
         smooth_peak=float(curve.smooth[np.argmax(np.abs(curve.smooth))]),
-        impulse=float(np.trapezoid(curve.values, curve.time)) if is_load else np.nan,
+        impulse=curve.impulse,
         mean=float(inside.mean()) if inside.size else np.nan,
-        scatter=float(inside.std()) if inside.size else np.nan,
+        deviation=float(inside.std()) if inside.size else np.nan,
     )
 
 
+def _arrival(curve: ProbeCurve) -> float:
+    before = curve.smooth[0]
+    greatest = np.abs(curve.smooth - before).max()
+    if greatest <= LEAST_CHANGE * np.abs(curve.smooth).max():
+        return np.nan
+    ahead = _mean_between(curve.time, curve.values, curve.time, curve.time + curve.span)
+    threshold = ARRIVED * greatest
+    there = (np.abs(curve.values - before) > threshold) & (np.abs(ahead - before) > threshold)
+    return float(curve.time[np.argmax(there)]) if there.any() else np.nan
+
+
 def told_span(span: float | None) -> str:
-    """Return over which time curves are smoothed, in words."""
+    """Return over which time a running mean goes, in words."""
     return f"{SMOOTHED} intervals of the probe" if span is None else f"{span:g} s"

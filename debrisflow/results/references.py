@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from debrisflow.case.words import did_you_mean
 from debrisflow.errors import OutputError
 from debrisflow.results.deposition import Deposition, greatest_across
+from debrisflow.results.probe_curves import probe_curve
 from debrisflow.results.survey import Survey
 from debrisflow.run.tables import Table, read_table, rows_where
 
 Floats = NDArray[np.float64]
 NORMALIZED = "y_over_h"
+DILATANT = "dilatant"
 ABSCISSAS = (NORMALIZED, "y", "z", "time", "x")
 POOLED = "mean of the stations"
 FEWEST_POINTS = 3
@@ -47,10 +49,10 @@ class Reference(NamedTuple):
         """Return the names of the curves, bands not among them."""
         return [name for name in self.table if name != self.abscissa and not name.endswith(BAND)]
 
-    def band(self, curve: str) -> tuple[Floats, Floats] | None:
-        """Return the least and greatest values of a curve, where the file has both."""
-        low, high = (self.table.get(curve + end) for end in BAND)
-        return None if low is None or high is None else (low, high)
+    def band(self, curve: str) -> Floats | None:
+        """Return the least and greatest values of a curve, (2, n) array; None without them."""
+        names = [curve + end for end in BAND]
+        return np.array([self.table[name] for name in names]) if names[0] in self.table else None
 
 
 class Distance(NamedTuple):
@@ -70,7 +72,7 @@ class Distance(NamedTuple):
         ``rms`` over the range of the values of the reference.
     shift, shifted_rms : float
         Of a curve in time: by how many seconds it is moved to come nearest, at most by a tenth of
-        the time of the reference, and the ``rms`` then.
+        the time of the reference, and the ``rms`` then, at the points that stay within its range.
     in_band : float
         Share of the points within the band of the reference; nan without one.
     """
@@ -92,8 +94,8 @@ HEAD = (
     "  of y_over_h without the one at the surface, and none where fewer than three are left",
     "rms: in the unit of the curve; share: rms over the range of the values of the reference",
     "shift, shifted_rms: s, by which a curve in time is moved to come nearest, at most by a tenth",
-    "  of the time of the reference, and rms then; in_band: share of the points within its band",
-    "of probes the running mean is compared",
+    "  of the time of the reference, and rms then, at the points that stay within its range;",
+    "  in_band: share of the points within its band; of probes the running mean is compared",
 )
 
 
@@ -105,7 +107,7 @@ def dilatant_profile() -> Reference:
     Takahashi 1978, Journal of the Hydraulics Division 104, 1153-1169.
     """
     y = np.linspace(0.0, 1.0, 101)
-    return Reference("dilatant", NORMALIZED, {NORMALIZED: y, "u_over_us": 1 - (1 - y) ** 1.5})
+    return Reference(DILATANT, NORMALIZED, {NORMALIZED: y, "u_over_us": 1 - (1 - y) ** 1.5})
 
 
 def read_reference(path: Path) -> Reference:
@@ -120,7 +122,8 @@ def read_reference(path: Path) -> Reference:
     Raises
     ------
     OutputError
-        If it cannot be read, or its first column does not increase.
+        If it cannot be read, its first column does not increase, or a band lacks its curve or one
+        of its sides.
     """
     table = read_table(path, grows=False)
     names = list(table)
@@ -136,6 +139,15 @@ def read_reference(path: Path) -> Reference:
         raise OutputError(f"{path} has no rows: a curve needs points")
     if not np.all(np.diff(table[names[0]]) > 0.0):
         raise OutputError(f"{path}: its first column, {names[0]}, does not increase")
+    for name in names:
+        if name.endswith(BAND):
+            curve = name.rpartition(".")[0]
+            needed = {curve, *(curve + end for end in BAND)}
+            if missing := sorted(needed - set(names)):
+                raise OutputError(
+                    f"{path}: the column {name} is a side of the band of {curve}, and there is no "
+                    f"column {missing[0]}" + did_you_mean(missing[0], set(names) - needed)
+                )
     return Reference(path.stem, names[0], table)
 
 
@@ -170,15 +182,18 @@ def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Flo
 
 def _of_probe(found: Survey, reference: Reference, curve: str) -> tuple[Floats, Floats]:
     """Return the running mean of a probe by ``PROBE.COLUMN``."""
-    known = {f"{one.probe}.{one.column}": one for one in found.probe_curves}
-    if curve not in known:
-        names = (*(name for name in found.fronts if name != "time"), *known)
+    known = [name for name in found.fronts if name != "time"]
+    if "." not in curve:
         raise OutputError(
             f"reference {reference.name}: no column {curve} to compare with among "
-            + ", ".join(names)
-            + did_you_mean(curve, names)
+            + ", ".join([*known, "PROBE.COLUMN"])
+            + did_you_mean(curve, known)
         )
-    return known[curve].time, known[curve].smooth
+    try:
+        one = probe_curve(found.run, curve, found.smoothing)
+    except OutputError as error:
+        raise OutputError(f"reference {reference.name}, column {curve}: {error}") from error
+    return one.time, one.smooth
 
 
 def is_velocity(found: Survey, name: str) -> bool:
@@ -238,31 +253,32 @@ def _rms(x: Floats, values: Floats, at: Floats, exact: Floats) -> float:
 
 
 def _best_shift(x: Floats, values: Floats, at: Floats, exact: Floats) -> tuple[float, float]:
-    """Return by how much a curve is moved to come nearest to another, and the rms then.
+    """Return by how much a curve in time is moved to come nearest to another, and the rms then.
 
-    Of two that are as good the shorter way; at most half of the points may be left out.
+    At the points that stay within the range of the other one whichever way they are moved; of two
+    times that are as good the shorter one.
     """
     most = GREATEST_SHIFT * float(at[-1] - at[0])
-    known = ~np.isnan(values)
-    x, values = x[known], values[known]
-    fewest = 0.5 * np.count_nonzero((x >= at[0]) & (x <= at[-1]))
-    best, least = 0.0, np.inf
-    for shift in sorted(np.linspace(-most, most, SHIFTS), key=abs):
-        moved = x + shift
-        inside = (moved >= at[0]) & (moved <= at[-1])
-        rms = _rms(moved[inside], values[inside], at, exact)
-        if np.count_nonzero(inside) >= fewest and rms < least:
-            best, least = float(shift), rms
-    return best, least
+    stays = ~np.isnan(values) & (x - most >= at[0]) & (x + most <= at[-1])
+    if np.count_nonzero(stays) < FEWEST_POINTS:
+        return np.nan, np.nan
+    shifts = sorted(np.linspace(-most, most, SHIFTS), key=abs)
+    errors = [_rms(x[stays] + shift, values[stays], at, exact) for shift in shifts]
+    best = int(np.argmin(errors))
+    return float(shifts[best]), errors[best]
 
 
 def _share_in_band(x: Floats, values: Floats, reference: Reference, curve: str) -> float:
     """Return the share of points that are within the band of a curve; nan without one."""
     band, at = reference.band(curve), reference.table[reference.abscissa]
-    if band is None or x.size == 0:
+    if band is None:
         return np.nan
-    low, high = (np.interp(x, at, side) for side in band)
-    return float(np.mean((values >= low) & (values <= high)))
+    known = ~np.isnan(band).any(axis=0)
+    inside = (x >= at[known].min(initial=np.inf)) & (x <= at[known].max(initial=-np.inf))
+    if not inside.any():
+        return np.nan
+    low, high = (np.interp(x[inside], at[known], side[known]) for side in band)
+    return float(np.mean((values[inside] >= low) & (values[inside] <= high)))
 
 
 def distances_to_all(found: Survey, given: Sequence[Reference]) -> list[Distance]:

@@ -17,7 +17,7 @@ from debrisflow.results.answers import answers_by_heading
 from debrisflow.results.parameters import Parameter, parameters, summary
 from debrisflow.results.plots import DESCRIPTIONS
 from debrisflow.results.postprocess import postprocess
-from debrisflow.results.probe_curves import figures_of, told_span
+from debrisflow.results.probe_curves import told_span
 from debrisflow.results.references import Reference, distances_to_all
 from debrisflow.results.survey import Survey
 from debrisflow.run.atomic import replaced
@@ -110,7 +110,7 @@ def _contents(found: Survey, given: Sequence[Reference]) -> dict[str, Any]:
         "timing": _timing(run.summary),
         "versions": run.summary.get("versions", {}),
         "warnings": _warnings(found),
-        "probes": [figures_of(curve, found.window) for curve in found.probe_curves],
+        "probes": found.probe_figures,
         "span": told_span(found.smoothing),
         "distances": [row for row in distances_to_all(found, given) if row.points],
         "version": __version__,

@@ -15,7 +15,7 @@ from debrisflow.results.budgets import budget_table, momentum_row, momentum_tabl
 from debrisflow.results.deposition import Deposition, deposition
 from debrisflow.results.frames import read_frame
 from debrisflow.results.fronts import Mobility, front_row, front_table, mobility, source_of
-from debrisflow.results.probe_curves import ProbeCurve, probe_curves
+from debrisflow.results.probe_curves import ProbeCurve, ProbeFigures, figures_of, probe_curves
 from debrisflow.results.reader import BAR, Run
 from debrisflow.results.stations import (
     hydrograph_rows,
@@ -46,7 +46,7 @@ class Survey:
     stations : tuple of float, m
         Of profiles and hydrographs.
     window : (float, float), s
-        Over which profiles are averaged.
+        Over which profiles and samples of probes are averaged.
     chosen : bool
         Whether the stations were asked for, and so are averaged together too.
     fronts, profiles, hydrographs, momentum : Table
@@ -74,6 +74,11 @@ class Survey:
     def probe_curves(self) -> list[ProbeCurve]:
         """Return the curves of the probes, but those of sections."""
         return probe_curves(self.run, self.smoothing)
+
+    @property
+    def probe_figures(self) -> list[ProbeFigures]:
+        """Return the figures of these curves."""
+        return [figures_of(curve, self.window) for curve in self.probe_curves]
 
     @cached_property
     def mean_profiles(self) -> Table:
@@ -114,7 +119,8 @@ def survey(
     stations : sequence of float, m
         x of profiles and hydrographs; every eighth of the length if there are none.
     window : (float, float), s, optional
-        Over which profiles are averaged; the last fifth of the frames' time if left out.
+        Over which profiles and samples of probes are averaged; the last fifth of the frames' time
+        if left out.
     times : sequence of float, s
         At which the deposit is measured, each at the nearest frame, beside first and last.
     smoothing : float, s, optional

@@ -103,7 +103,7 @@ class _Run:
         self.case, self.results, self.state = case, results, state
         self.probes, self.progress = probes, progress
         self.scheme = scheme_of(case)
-        self._given_threads, self.threads = threads, 1
+        self._given_threads, self.threads = threads, 0
         self._set_threads()
         start, end, output = -case.time.relaxation, case.time.end, case.output
         self.frames = Schedule(output.interval, 0.0, end)
@@ -113,18 +113,23 @@ class _Run:
         self._checkpoint_is_due = False
         self._asked_to_stop = False
         LOG.info(
-            "%s: %d fluid of %d particles, %d threads (%s)",
+            "%s: %d fluid of %d particles, threads by %s",
             case.title,
             state.particles.fluid_count,
             state.particles.count,
-            self.threads,
             THREADING_LAYER,
         )
 
     def _set_threads(self) -> None:
-        """Use as many threads as the particles keep busy; their number is not in the results."""
+        """Use as many threads as the particles keep busy, and keep the greatest number used.
+
+        Results do not depend on it.
+        """
         useful = max(1, self.state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
-        self.threads = set_threads(self._given_threads or min(cores(), useful))
+        used = set_threads(self._given_threads or min(cores(), useful))
+        if used > self.threads:
+            LOG.info("%d threads at t = %g s", used, self.state.time)
+        self.threads = max(self.threads, used)
 
     def finish(self) -> dict[str, Any]:
         """Run to the end of the simulated time and return the summary."""

@@ -70,11 +70,14 @@ class Sampler:
         The patch of wall whose force it reads.
     patch_row : int
         Its row in ``state.patch_force``.
+    averaged : tuple of str
+        Columns that begin like one of these are means since the row before.
     """
 
     sum_shape: tuple[int, ...] | None = None
     patch: Patch | None = None
     patch_row = 0
+    averaged: tuple[str, ...] = ()
 
     def __init__(self, probe: Probe, case: ResolvedCase, particles: Particles) -> None:
         """Check the place of the probe; raise a CaseError if the run finds it wrong."""
@@ -92,8 +95,8 @@ class Sampler:
 
     @staticmethod
     def headline(dimension: int) -> tuple[str, ...]:
-        """Return the columns that plots and figures show."""
-        raise NotImplementedError
+        """Return the columns that plots and figures show; none if others show its samples."""
+        return ()
 
     def sample(self, state: State) -> tuple[float, ...]:
         """Return the values of the columns."""

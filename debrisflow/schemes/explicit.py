@@ -62,9 +62,9 @@ class Explicit(Scheme):
             ground,
             shares_drag=not isinstance(case.strength, NoStrength),
         )
-        self.terms = self._terms(case)
+        self.terms = self._terms(case, ground is not None)
 
-    def _terms(self, case: ResolvedCase) -> tuple[Term, ...]:
+    def _terms(self, case: ResolvedCase, has_ground: bool) -> tuple[Term, ...]:
         numbers, is_even = numbers_of(case, self.lattice), len(concentrations(case)) == 1
         gravity = numbers.gravity
         down = gravity / (float(np.linalg.norm(gravity)) or 1.0)
@@ -99,7 +99,7 @@ class Explicit(Scheme):
             Concentration(down, is_even),
             Shear() if is_sheared else None,
             collisions if stress.enabled else None,
-            Eddies(case) if is_implicit else None,
+            Eddies(case, has_ground) if is_implicit else None,
             self._density,
             forces,
             grains,

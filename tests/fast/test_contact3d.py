@@ -1,4 +1,4 @@
-"""Grains and contacts of the explicit scheme: agitation, collisions, bounces off walls."""
+"""Grains and contacts: agitation and stress of grains, collisions of particles, bounces."""
 
 import numpy as np
 import pytest

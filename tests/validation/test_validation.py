@@ -246,15 +246,19 @@ def test_a_turbulent_film_has_the_speed_of_its_profile(rows, roughness, mixing_l
     assert found.across < 0.03
 
 
-def test_a_jet_presses_on_a_plate_as_potential_flow_does():
-    found = plate_jet.run(2)
-    assert found.thrust == pytest.approx(1.0, abs=0.03)
-    np.testing.assert_allclose(found.pressure, found.expected, atol=0.05)
+@pytest.fixture(scope="module")
+def jet() -> plate_jet.Jet:
+    return plate_jet.run(2)
+
+
+def test_a_jet_presses_on_a_plate_as_potential_flow_does(jet):
+    assert jet.thrust == pytest.approx(1.0, abs=0.03)
+    np.testing.assert_allclose(jet.pressure, jet.expected, atol=0.05)
 
 
 @pytest.mark.xfail(strict=True, reason="0.49: rows are pressed together, see docs/limits.md")
-def test_the_fluid_before_a_plate_has_the_pressure_of_stagnation():
-    assert plate_jet.run(2).by_fluid == pytest.approx(1.0, abs=0.1)
+def test_the_fluid_before_a_plate_has_the_pressure_of_stagnation(jet):
+    assert jet.by_fluid == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.parametrize("rows", [2, 6, 12])

@@ -13,7 +13,7 @@ from debrisflow import __version__
 from debrisflow.results.deposition import Deposition, deposition, greatest_across
 from debrisflow.results.plots.curves import legend
 from debrisflow.results.plots.maps import map_height, mapped
-from debrisflow.results.plots.probes import compared_probes
+from debrisflow.results.plots.probes import compared_probes, compared_span
 from debrisflow.results.plots.style import CYCLE, LINES, panels, save, styled
 from debrisflow.results.references import NORMALIZED
 from debrisflow.results.survey import Survey
@@ -49,7 +49,7 @@ def draw_comparison(
         }
         probes = compared_probes(found, names)
         if probes is not None:
-            figures["probes"] = ("Probes, smoothed", probes)
+            figures["probes"] = (f"Probes: means over {compared_span(found):g} s", probes)
         if found[0].run.case.dimension == 3:
             figures["plans"] = (f"Flow at t = {time:g} s", _plans(deposits, names))
         return [

@@ -74,13 +74,23 @@ def front_figure(found: Survey, given: Sequence[Reference]) -> Figure:
         if reference.abscissa == "time":
             shown = [name for name in reference.curves if name in table]
             for name, line in zip(shown, LINES, strict=False):
-                label = f"{reference.name}: {name}"
                 axes = speed if name.startswith("speed") else place
-                axes.plot(reference.table["time"], reference.table[name], line, c="k", label=label)
+                draw_reference(axes, reference, name, f"{reference.name}: {name}", "black", line)
     place.set_ylabel("front x, m")
     speed.set(xlabel="time, s", ylabel="speed of the front, m/s")
     legend(place, speed)
     return figure
+
+
+def draw_reference(
+    axes: Axes, reference: Reference, name: str, label: str, color: str, line: str = "--"
+) -> None:
+    """Draw a curve of a reference over its abscissa, and its band."""
+    x, values = reference.table[reference.abscissa], reference.table[name]
+    known, band = ~np.isnan(values), reference.band(name)
+    axes.plot(x[known], values[known], line, color=color, label=label)
+    if band is not None:
+        axes.fill_between(x, *band, color=color, alpha=0.15, linewidth=0.0)
 
 
 def legend(*axes: Axes) -> None:

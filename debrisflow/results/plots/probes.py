@@ -9,27 +9,33 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from debrisflow.results.plots.curves import legend
+from debrisflow.results.plots.curves import draw_reference, legend
 from debrisflow.results.plots.style import CYCLE, LINES, SETTINGS, panels
 from debrisflow.results.probe_curves import ProbeCurve
 from debrisflow.results.references import Reference
 from debrisflow.results.survey import Survey
 
 HEIGHT = 1.5  # inch, of a panel
+MOST_PANELS = 16
 THIN = 0.4 * SETTINGS["lines.linewidth"]
 
 
 def probe_figure(found: Survey, given: Sequence[Reference]) -> Figure:
     """Return the samples of the probes, a panel each, with running means and references."""
     parts = [list(part) for _, part in groupby(found.probe_curves, lambda one: one.probe)]
-    figure, axes = panels(len(parts), height=HEIGHT, sharex=True)
-    for part, one in zip(parts, axes, strict=True):
+    shown = parts[:MOST_PANELS]
+    figure, axes = panels(len(shown), height=HEIGHT, sharex=True)
+    for part, one in zip(shown, axes, strict=True):
         for curve, color in zip(part, CYCLE, strict=False):
+            words = curve.column.replace("_", " ")
             one.plot(curve.time, curve.values, color=color, linewidth=THIN, alpha=0.5)
-            one.plot(curve.time, curve.smooth, color=color, label=curve.column.replace("_", " "))
-            _draw_references(one, curve, given)
+            one.plot(curve.time, curve.smooth, color=color, label=words)
+            name = f"{curve.probe}.{curve.column}"
+            for reference in given:
+                if reference.abscissa == "time" and name in reference.curves:
+                    draw_reference(one, reference, name, f"{reference.name}: {words}", color)
         _name(one, part[0])
-    axes[-1].set_xlabel("time, s")
+    _finish(axes, len(parts))
     legend(*axes)
     return figure
 
@@ -40,15 +46,21 @@ def compared_probes(found: Sequence[Survey], names: Sequence[str]) -> Figure | N
     common = [key for key in known[0] if all(key in curves for curves in known)]
     if not common:
         return None
-    figure, axes = panels(len(common), height=HEIGHT, sharex=True)
-    for key, one in zip(common, axes, strict=True):
+    shown = common[:MOST_PANELS]
+    figure, axes = panels(len(shown), height=HEIGHT, sharex=True)
+    for key, one in zip(shown, axes, strict=True):
         for k, (curves, name) in enumerate(zip(known, names, strict=True)):
             curve, line = curves[key], LINES[k // len(CYCLE) % len(LINES)]
             one.plot(curve.time, curve.smooth, line, color=CYCLE[k % len(CYCLE)], label=name)
         _name(one, known[0][key], key[1].replace("_", " "))
-    axes[-1].set_xlabel("time, s")
+    _finish(axes, len(common))
     legend(axes[0])
     return figure
+
+
+def compared_span(found: Sequence[Survey]) -> float:
+    """Return the time over which the running means of runs go, s."""
+    return max((curve.span for one in found for curve in one.probe_curves), default=np.nan)
 
 
 def _name(axes: Axes, curve: ProbeCurve, column: str = "") -> None:
@@ -57,14 +69,7 @@ def _name(axes: Axes, curve: ProbeCurve, column: str = "") -> None:
     axes.set_ylabel(curve.unit)
 
 
-def _draw_references(axes: Axes, curve: ProbeCurve, given: Sequence[Reference]) -> None:
-    name = f"{curve.probe}.{curve.column}"
-    for reference, line in zip(given, LINES * len(given), strict=False):
-        if reference.abscissa != "time" or name not in reference.curves:
-            continue
-        time, values = reference.table["time"], reference.table[name]
-        known = ~np.isnan(values)
-        axes.plot(time[known], values[known], line, color="black", label=reference.name)
-        band = reference.band(name)
-        if band is not None:
-            axes.fill_between(time, *band, color="black", alpha=0.15, linewidth=0.0)
+def _finish(axes: Sequence[Axes], count: int) -> None:
+    """Write what the time is, and how many panels there would be more."""
+    more = f"; {count - len(axes)} more are in the tables only" if count > len(axes) else ""
+    axes[-1].set_xlabel(f"time, s{more}")

@@ -24,6 +24,7 @@ class WallForce(Sampler):
     """
 
     sum_shape = row_mean.sum_shape(6)
+    averaged = ("force", "moment")
 
     def __init__(self, probe: ForceProbe, case: ResolvedCase, particles: Particles) -> None:
         self._case, self._name = case, probe.name

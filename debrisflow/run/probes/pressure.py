@@ -38,6 +38,7 @@ class PatchPressure(Sampler):
     """
 
     sum_shape = row_mean.sum_shape(1)
+    averaged = ("reaction",)
 
     def __init__(self, probe: PressureProbe, case: ResolvedCase, particles: Particles) -> None:
         size = probe.side(case.particles.spacing)

@@ -55,11 +55,6 @@ class Section(Sampler):
             Column("sediment_volume", unit, passed),
         )
 
-    @staticmethod
-    def headline(dimension: int) -> tuple[str, ...]:
-        """See :meth:`Sampler.headline`."""
-        return ("discharge", "sediment_discharge")
-
     def sample(self, state: State) -> tuple[float, ...]:
         """Return the columns of the section."""
         p, d0 = state.particles, self._d0

@@ -19,12 +19,15 @@ class Eddies(Term):
     Parameters
     ----------
     case : ResolvedCase
+    has_ground : bool
+        Whether a ground lies over the floor, whose distance is not known: no wall limits l there.
     """
 
     name = "eddies"
 
-    def __init__(self, case: ResolvedCase) -> None:
+    def __init__(self, case: ResolvedCase, has_ground: bool = False) -> None:
         self._case, self._length = case, case.strength.mixing_length
+        self._has_ground = has_ground
 
     def observe(self, scene: Scene) -> None:
         """Find the turbulent viscosity of the fluid and add it; supply has none."""
@@ -44,6 +47,9 @@ class Eddies(Term):
     def _over_floor(self, scene: Scene) -> tuple[Floats, Floats]:
         """Return height over and roughness of the floor under the particles, m."""
         p, case = scene.particles, self._case
+        if self._has_ground:
+            everywhere = np.full(p.fluid_count, np.inf)
+            return everywhere, everywhere
         x, level = p.position[p.fluid, 0], p.position[p.fluid, case.dimension - 1]
         height = np.maximum(height_over_floor(case, x, level, x), 0.5 * scene.near.spacing)
         return height, floor_roughness(case, x)
