@@ -210,8 +210,8 @@ def figures_of(curve: ProbeCurve, window: tuple[float, float]) -> ProbeFigures:
 
 
 def _arrival(curve: ProbeCurve) -> float:
-    before = curve.smooth[0]
-    greatest = np.abs(curve.smooth - before).max()
+    before = curve.values[0]
+    greatest = float(np.abs(curve.smooth - before).max())
     if greatest <= LEAST_CHANGE * np.abs(curve.smooth).max():
         return np.nan
     ahead = _mean_between(curve.time, curve.values, curve.time, curve.time + curve.span)
