@@ -9,6 +9,7 @@ import numpy as np
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
+from debrisflow.case.doubts import doubts
 from debrisflow.case.estimate import particle_estimate, size
 from debrisflow.case.resolved import ResolvedExplicitScheme
 from debrisflow.case.speeds import fall_speed, given_speed
@@ -78,6 +79,8 @@ class Forecast:
         None in the incompressible scheme.
     poor : dict of str to list of str
         Names of the probes whose answer will be poor, by the reason.
+    doubts : list of str
+        What is doubtful about the case.
     """
 
     counts: dict[str, int]
@@ -91,6 +94,7 @@ class Forecast:
     frames: int
     sound: Sound | None
     poor: dict[str, list[str]]
+    doubts: list[str]
 
     def __str__(self) -> str:
         """Return the figures as a few readable lines."""
@@ -117,14 +121,13 @@ class Forecast:
                 f"steps          about {self.steps:,} at that step",
                 f"memory         {size(self.memory)}",
                 f"disk           {size(self.disk)} in {self.frames:,} particle files"
-                + self._probes(),
+                + self._warnings(),
             ]
         )
 
-    def _probes(self) -> str:
-        return "".join(
-            f"\nwarning        {', '.join(names)}: {text}" for text, names in self.poor.items()
-        )
+    def _warnings(self) -> str:
+        probes = [f"{', '.join(names)}: {text}" for text, names in self.poor.items()]
+        return "".join(f"\nwarning        {text}" for text in (*probes, *self.doubts))
 
 
 def forecast(case: ResolvedCase) -> Forecast:
@@ -151,6 +154,7 @@ def forecast(case: ResolvedCase) -> Forecast:
         frames=frames,
         sound=_sound(case, speed, fall_speed(*space)),
         poor=_poor(case),
+        doubts=doubts(case),
     )
 
 

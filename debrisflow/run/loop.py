@@ -13,6 +13,7 @@ from typing import Any
 
 from debrisflow._jit import THREADING_LAYER, cores, set_threads
 from debrisflow.case import ResolvedCase, load_case
+from debrisflow.case.doubts import doubts
 from debrisflow.errors import DivergedError, NotConvergedError, OutputError
 from debrisflow.particles.state import State, initial_state
 from debrisflow.run import checkpoint
@@ -119,6 +120,8 @@ class _Run:
             state.particles.count,
             THREADING_LAYER,
         )
+        for doubt in doubts(case):
+            LOG.warning("%s", doubt)
 
     def _set_threads(self) -> None:
         """Use as many threads as the particles keep busy, and keep the greatest number used.

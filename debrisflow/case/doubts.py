@@ -1,0 +1,98 @@
+"""What is allowed and was hardly meant: units mistaken, signs turned, a flow too thin to resolve.
+
+Each is a warning of ``debrisflow check`` and of a run, with what was probably meant; none stops it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import hypot, isclose
+
+from debrisflow.case.resolved import ResolvedCase
+from debrisflow.case.tables import Block
+
+EARTH = 9.81  # m/s2
+STEEP = 45.0  # degrees, steeper than any debris flow on record
+WATERS = 500.0, 2000.0  # kg/m3, with what fine grains make of it
+ROCKS = 1500.0, 5000.0  # kg/m3
+GREATEST_GRAIN = 1.0  # spacings
+FEWEST_ROWS = 2  # of particles over a depth
+
+
+def doubts(case: ResolvedCase) -> list[str]:
+    """Return what is doubtful about a case, a line each, beginning with the key."""
+    return [line for doubt in DOUBTS for line in doubt(case)]
+
+
+def _gravity(case: ResolvedCase) -> Iterator[str]:
+    along, up = case.gravity.components
+    size, axis = hypot(along, up), "yz"[case.dimension - 2]
+    if up > 0.0:
+        yield f"gravity points upward, by {up:.3g} m/s2; down is negative {axis}"
+    elif case.gravity.vector is None and abs(case.gravity.slope) > STEEP:
+        yield (
+            f"gravity.slope = {case.gravity.slope:g} degree: steeper than debris flows are; it is "
+            "the angle of the x axis below the horizontal, in degrees"
+        )
+    if size > 3.0 * EARTH:
+        yield f"gravity is {size:.3g} m/s2; on Earth it is {EARTH:g} m/s2"
+
+
+def _densities(case: ResolvedCase) -> Iterator[str]:
+    for name, value, (least, greatest), usual in (
+        ("water.density", case.water.density, WATERS, 1000),
+        ("sediment.density", case.sediment.density, ROCKS, 2650),
+    ):
+        if not least <= value <= greatest:
+            yield f"{name} = {value:g} kg/m3: {usual} is usual; densities are in kg/m3"
+
+
+def _shares(case: ResolvedCase) -> Iterator[str]:
+    limit = case.sediment.packing_limit
+    for number, part in enumerate(case.fill):
+        share = getattr(part, "sediment_share", 0.0)
+        if part.material == "mix" and share > limit:
+            yield (
+                f"fill.{number}.sediment_share = {share:g}: more grains than fit, "
+                f"sediment.packing_limit = {limit:g}"
+            )
+
+
+def _grains(case: ResolvedCase) -> Iterator[str]:
+    diameter, spacing = case.sediment.grain_diameter, case.particles.spacing
+    has_grains = any(part.material != "water" for part in case.fill)
+    if has_grains and case.collision_stress.enabled and diameter > GREATEST_GRAIN * spacing:
+        yield (
+            f"sediment.grain_diameter = {diameter:g} m: grains larger than a particle, "
+            f"particles.spacing = {spacing:g} m"
+        )
+
+
+def _times(case: ResolvedCase) -> Iterator[str]:
+    end = case.time.end
+    named = [("output.interval", case.output.interval)]
+    named += [(f"probe.{probe.name}.interval", probe.interval) for probe in case.probe]
+    for name, interval in named:
+        if interval > end and not isclose(interval, end):
+            yield f"{name} = {interval:g} s: longer than the run, time.end = {end:g} s"
+
+
+def _rows(case: ResolvedCase) -> Iterator[str]:
+    spacing, up = case.particles.spacing, "yz"[case.dimension - 2]
+    depths = [
+        (f"fill.{number}", extent[1] - extent[0])
+        for number, part in enumerate(case.fill)
+        if isinstance(part, Block) and (extent := getattr(part, up)) is not None
+    ]
+    if case.inflow is not None:
+        depths.append(("inflow", case.inflow.depth))
+    for name, depth in depths:
+        rows = round(depth / spacing)
+        if rows < FEWEST_ROWS:
+            yield (
+                f"{name}: one row of particles over its depth of {depth:g} m; with two or more, "
+                f"particles.spacing = {depth / FEWEST_ROWS:.2g}, it has a profile"
+            )
+
+
+DOUBTS = (_gravity, _densities, _shares, _grains, _times, _rows)
