@@ -71,10 +71,13 @@ def simulate(
 def resume(folder: Path, threads: int | None = None) -> dict[str, Any] | None:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`.
 
-    A run that has come to its end is left as it is, and None is returned.
+    A run that has come to its end is left as it is, and None is returned.  With a later
+    ``time.end`` in the case of the folder it goes on.
     """
     case = load_case(folder / CASE)
-    if read_summary(folder).get("end_reason") in (ENDED, EMPTY):
+    before = read_summary(folder)
+    has_ended = before.get("end_reason") == ENDED and before["time"] >= case.time.end
+    if has_ended or before.get("end_reason") == EMPTY:
         return None
     state = checkpoint.load(folder / CHECKPOINT)
     if case.has_surfaces and state.particles.count > state.particles.moving.stop:

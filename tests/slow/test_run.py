@@ -121,6 +121,9 @@ def test_a_run_that_has_come_to_its_end_is_not_changed_by_resuming_it(tmp_path):
     assert result.exit_code == 0, result.output
     assert "has run to the end of its time" in result.output
     assert {file: file.read_bytes() for file in run.rglob("*") if file.is_file()} == before
+    case = run / "case.toml"
+    case.write_text(case.read_text().replace("end = 0.02", "end = 0.03"))
+    assert loop.resume(run)["time"] == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize("temperature", ["algebraic", "neighborhood"])
