@@ -83,7 +83,7 @@ def complete(case: Case) -> ResolvedCase:
             density_relaxation=_fall_time(case) or RELAXATION_STEPS * step,
         )
     else:
-        step = min(_gravity_limit(case.gravity, case.particles, case.output), *_viscous_steps(case))
+        step = min(_outer_limit(case, case.scheme.courant), *_viscous_steps(case))
         scheme = _scheme(case.scheme, step, case.time.largest_step or step)
     found = {
         "geometry": _geometry(case.geometry, case.particles),
@@ -238,13 +238,16 @@ def _viscous_steps(case: Case) -> tuple[float, ...]:
     return (inf, *limits.values())
 
 
-def _gravity_limit(gravity: Gravity, particles: Particles, output: Output) -> float:
-    """Return the step that gravity allows, s.
+def _outer_limit(case: Case, courant: float) -> float:
+    """Return the step that gravity allows, s; without gravity the speed that the case gives.
 
-    Without gravity nothing but the Courant number knows the speed, so that a tenth of an output
-    interval is the bound.
+    It is the clock by which density errors decay, and so must know how fast the fluid is: a jet
+    that strikes a plate is through in the time of some steps.  A tenth of an output interval is
+    the bound of what moves by viscosity alone.
     """
-    magnitude = hypot(*gravity.components)
-    if magnitude == 0:
-        return output.interval / 10
-    return 0.03 * sqrt(particles.spacing / magnitude)
+    magnitude = hypot(*case.gravity.components)
+    if magnitude > 0:
+        return 0.03 * sqrt(case.particles.spacing / magnitude)
+    speed = given_speed(case.fill, case.inflow, case.geometry, case.walls)
+    path = courant * case.particles.spacing / speed if speed > 0 else inf
+    return min(case.output.interval / 10, path)

@@ -315,7 +315,8 @@ class Time(Table):
     end: float = quantity("s", "end of the simulated time", gt=0)
     largest_step: float | None = quantity(
         "s",
-        "greatest time step; if left out, 0.03 sqrt(spacing / gravity) "
+        "greatest time step; if left out, 0.03 sqrt(spacing / gravity), without gravity courant "
+        "spacing / speed of fills and supply, "
         "or the limit of explicit viscosity, whichever is less; in the explicit scheme courant "
         "spacing / c instead of the first",
         None,
