@@ -192,7 +192,18 @@ def _print_summary(summary: dict[str, Any], folder: Path) -> None:
         )
 
 
-@main.command()
+class WithTemplates(click.Command):
+    """A command whose help lists the shipped cases."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the names of the templates and their titles."""
+        from debrisflow.case.templates import titles
+
+        with formatter.section("Templates"):
+            formatter.write_dl(list(titles().items()))
+
+
+@main.command(cls=WithTemplates)
 @click.argument("file", type=_PATH)
 @click.option(
     "--template", default="flume2d", show_default=True, help="Shipped case to start from."

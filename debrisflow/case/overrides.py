@@ -8,6 +8,7 @@ from typing import Any
 
 from debrisflow.case.problems import Problem
 from debrisflow.case.strength import FORMER_NAMES, renamed
+from debrisflow.case.words import did_you_mean, either
 
 # Fields of which one stands for the others: setting it takes the others out of the file.
 _ALTERNATIVES = (
@@ -27,8 +28,9 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> list[Prob
     data : dict
         The case; changed in place.
     overrides : sequence of str
-        Each ``a.b.c=VALUE``, an array entry by its index (``fill.0.x=[0, 1]``).  The value is
-        TOML; what is not, is taken as text, so that words need no quotes.
+        Each ``a.b.c=VALUE``, an array entry by its index (``fill.0.x=[0, 1]``) or, if it has one,
+        its name (``probe.gauge.size=0.1``).  The value is TOML; what is not, is taken as text, so
+        that words need no quotes.
 
     Returns
     -------
@@ -75,9 +77,19 @@ def _assign(data: dict[str, Any], parts: list[str], value: Any) -> Problem | Non
         key = ".".join(parts[: k + 1])
         step: str | int = part
         if isinstance(node, list):
-            if not part.isdecimal() or int(part) >= len(node):
-                return Problem(key, f"no such entry; there are {len(node)}, counted from 0")
-            step = int(part)
+            names = [item.get("name") if isinstance(item, dict) else None for item in node]
+            if part.isdecimal() and int(part) < len(node):
+                step = int(part)
+            elif part in names:
+                step = names.index(part)
+            else:
+                named = [name for name in names if isinstance(name, str)]
+                by_name = (
+                    f", or by name {either(named)}{did_you_mean(part, named)}" if named else ""
+                )
+                return Problem(
+                    key, f"no such entry; there are {len(node)}, counted from 0{by_name}"
+                )
         elif not isinstance(node, dict):
             return Problem(key, "unknown key", value)
         if k == len(parts) - 1:
@@ -85,7 +97,7 @@ def _assign(data: dict[str, Any], parts: list[str], value: Any) -> Problem | Non
         elif isinstance(node, dict):
             node = node.setdefault(part, {})
         else:
-            node = node[int(part)]
+            node = node[step]
     return None
 
 

@@ -23,6 +23,14 @@ def templates() -> dict[str, Path]:
     return {}
 
 
+def titles() -> dict[str, str]:
+    """Return the titles of the shipped cases by name."""
+    return {
+        name: str(tomllib.loads(path.read_text(encoding="utf-8")).get("title", ""))
+        for name, path in templates().items()
+    }
+
+
 def start_case(target: Path, template: str) -> list[Path]:
     """Copy a shipped case, what it names and its schema, and return what was written.
 

@@ -275,6 +275,19 @@ class TestOverrides:
         assert case.fill[0].y == (0.0, 0.2)
         assert case.walls.left.slip == "free-slip"
 
+    def test_an_entry_with_a_name_is_found_by_it(self, tank: Path) -> None:
+        gauges = [
+            f'[[probe]]\nname = "{name}"\ntype = "height"\nx = 0.1\ninterval = 1.0\n'
+            for name in "ab"
+        ]
+        tank.write_text(tank.read_text() + "".join(gauges))
+
+        case = load_case(tank, ["probe.b.size=0.05", "probe.0.size=0.06"])
+
+        assert [probe.size for probe in case.probe] == [0.06, 0.05]
+        with pytest.raises(CaseError, match=r"no such entry; there are 2, .* by name 'a' or 'b'"):
+            load_case(tank, ["probe.c.size=0.05"])
+
     def test_one_way_of_gravity_replaces_the_other(self, channel: Path) -> None:
         case = load_case(channel, ["gravity.vector=[0, -9.81]"])
 

@@ -119,3 +119,10 @@ class TestInit:
         assert "no template 'flume'; did you mean 'flume2d'?" in result.stderr
         assert "supply2d" in result.stderr
         assert not (tmp_path / "x.toml").exists()
+
+    def test_help_lists_the_templates_with_their_titles(self) -> None:
+        result = CliRunner().invoke(main, ["init", "--help"])
+
+        assert result.exit_code == 0
+        assert "supply2d" in result.output
+        assert "flume2d   a flume with a bed" in result.output
