@@ -12,7 +12,6 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
-from numba import types
 from numba.core.dispatcher import Dispatcher
 
 from debrisflow import _jit
@@ -219,30 +218,3 @@ def test_no_loop_lets_addresses_choose_how_it_rounds():
 
     multiply(np.ones(9), np.ones(9), np.ones(9))
     assert "vector.memcheck" not in "".join(multiply.inspect_llvm().values())
-
-
-def test_no_kernel_that_counts_no_references_returns_an_array():
-    scheme, state = started(bed_case())
-    advance(scheme, state, steps=1)
-    kernels = {
-        value
-        for name, module in sys.modules.items()
-        if name.startswith("debrisflow.")
-        for value in vars(module).values()
-        if isinstance(value, Dispatcher) and value.targetoptions.get("_nrt") is False
-    }
-    found = [
-        part
-        for kernel in kernels
-        for compiled in kernel.overloads.values()
-        for part in parts_of(compiled.signature.return_type)
-    ]
-    assert len(found) > 100
-    assert not any(isinstance(part, types.Array) for part in found)
-
-
-def parts_of(kind):
-    """Return a type, or the types that a tuple or a record is made of."""
-    if isinstance(kind, types.BaseTuple):
-        return [part for member in kind for part in parts_of(member)]
-    return [kind]
