@@ -307,6 +307,7 @@ def numbers_of(lattice, **changes):
         diffusion=0.1,
         relaxation=0.1,
         artificial_viscosity=0.05,
+        collision_distance=0.8 * lattice.spacing,
         restitution=0.2,
     )._replace(**changes)
 
@@ -325,13 +326,13 @@ def fluid_of(count, **known):
 
 @kernel
 def acceleration_at(i, fluid, near, solid, numbers):
-    """Return acceleration, and what walls push and drag by."""
-    x, y, z = pair_forces_at(i, fluid, near, numbers)
+    """Return acceleration, change of velocity by collisions, and what walls push and drag by."""
+    x, y, z, cx, cy, cz = pair_forces_at(i, fluid, near, numbers)
     px, py, pz, sx, sy, sz = wall_forces_at(i, fluid, near, solid, numbers)
     per, g = 1.0 / density_of(i, fluid.density, numbers), numbers.gravity
     ax, ay, az = per * (x + px + sx), per * (y + py + sy), per * (z + pz + sz)
     px, py, pz, sx, sy, sz = per * px, per * py, per * pz, per * sx, per * sy, per * sz
-    return ax + g[0], ay + g[1], az + g[2], px, py, pz, sx, sy, sz
+    return ax + g[0], ay + g[1], az + g[2], cx, cy, cz, px, py, pz, sx, sy, sz
 
 
 def endless_channel(spacing, slope, layers, **tables):

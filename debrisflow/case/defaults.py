@@ -41,6 +41,7 @@ from debrisflow.case.tables import (
 from debrisflow.errors import CaseError
 
 RELAXATION_STEPS = 50
+GRAINS_COLLIDE = 0.8  # spacings; without it the surface of a heap of grains is rough
 LARGEST_DIFFUSION = 0.3
 LARGEST_PATH = 0.2  # spacings that a particle moves in a step of the explicit scheme
 VISCOUS_LIMIT = 0.2  # of an explicit step, in d0^2 / nu
@@ -76,10 +77,12 @@ def complete(case: Case) -> ResolvedCase:
             case.fill, case.inflow, case.geometry, case.particles, case.gravity, case.walls
         )
         step = min(acoustic_step(case.scheme, fastest, case.particles), *_viscous_steps(case))
+        collides = 0.0 if isinstance(case.strength, NoStrength) else GRAINS_COLLIDE
         scheme = resolved(
             ResolvedExplicitScheme,
             case.scheme,
             sound_speed=fastest,
+            collision_distance=collides,
             density_relaxation=_fall_time(case) or RELAXATION_STEPS * step,
         )
     else:

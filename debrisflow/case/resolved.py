@@ -79,6 +79,7 @@ class ResolvedExplicitScheme(ExplicitScheme):
 
     sound_speed: float = _known(ExplicitScheme, "sound_speed")
     density_relaxation: float = _known(ExplicitScheme, "density_relaxation")
+    collision_distance: float = _known(ExplicitScheme, "collision_distance")
 
 
 class ResolvedTime(Time):

@@ -281,20 +281,24 @@ class ExplicitScheme(Table):
     artificial_viscosity: float = quantity(
         NONE, "alpha, viscosity alpha c d0 along the line of two particles", 0.05, ge=0, le=1
     )
+    collision_distance: float | None = quantity(
+        "spacing",
+        "distance below which approaching particles collide, 0 for never; with a strength law 0.8, "
+        "else 0, if left out",
+        None,
+        ge=0,
+        le=1,
+    )
     collision_restitution: float = quantity(
-        NONE, "coefficient of restitution of bounces off walls", 0.2, ge=0, le=1
+        NONE,
+        "coefficient of restitution of collisions, and of bounces off walls",
+        0.2,
+        ge=0,
+        le=1,
     )
     jitter: float = quantity(
         "spacing", "greatest seeded displacement of a particle at the start", 0.01, ge=0, le=0.1
     )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _without_collisions(cls, data: Any) -> Any:
-        """Leave out what every resolved case of before has, and what has no effect any more."""
-        if isinstance(data, dict):
-            return {key: value for key, value in data.items() if key != "collision_distance"}
-        return data
 
 
 def _scheme_type(table: Any) -> str:

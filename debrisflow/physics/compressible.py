@@ -20,6 +20,7 @@ from debrisflow.neighbors.pairs import (
     laplacian_factor,
     weight,
 )
+from debrisflow.physics.contact import hit_between
 from debrisflow.physics.rheology import harmonic_mean
 from debrisflow.physics.wall_push import wall_push_at
 
@@ -73,8 +74,11 @@ class Numbers(NamedTuple):
         delta, and the time in which s follows n.
     artificial_viscosity : float
         alpha.
+    collision_distance : float, m, or None
+        Within which particles collide; None where they do not, for which kernels are compiled that
+        are faster.
     restitution : float
-        Of bounces off walls.
+        Of collisions, and of bounces off walls.
     """
 
     smooth_density: float
@@ -86,6 +90,7 @@ class Numbers(NamedTuple):
     diffusion: float
     relaxation: float
     artificial_viscosity: float
+    collision_distance: float | None
     restitution: float
 
 
@@ -223,23 +228,24 @@ def mean_viscosity(mu_i, j, viscosity):
 
 @kernel
 def pair_forces_at(i, fluid, near, numbers):
-    """Return the force of the fluid on particle i, N/m3.
+    """Return force of the fluid, N/m3, and change of velocity by collisions, m/s, of particle i.
 
         -(Ds/n0) sum of (P_i + P_j) r_ij w / r^2
         + (2 Ds/(lambda n0)) sum of [alpha c d0 rho_ij (u_ij . e) e + mu_ij u_ij] w
 
     with P the pressure of fluid and grains and mu_ij the harmonic mean of the pair's viscosities.
     The sum form of the pressure conserves momentum, and is never attractive since P >= 0; the
-    study's form (14) is not needed then.  Nothing collides: the pressure of continuity, which acts
-    at the free surface too, keeps particles apart.
+    study's form (14) is not needed then.  Grains nearer than the collision distance that approach
+    exchange the impulse of a collision, from the same velocities for both; water is kept apart by
+    its pressure alone, which acts at the free surface too.
     """
     velocity = fluid.velocity
     u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
     push, pull = gradient_factor(near), laplacian_factor(near)
     rho, mu_i = density_of(i, fluid.density, numbers), viscosity_of(i, fluid.viscosity, numbers)
     damping = 0.5 * pull * numbers.artificial_viscosity * numbers.sound_speed * near.spacing
-    total_i = fluid.total_pressure[i]
-    x, y, z = 0.0, 0.0, 0.0
+    total_i, rebound = fluid.total_pressure[i], 1.0 + numbers.restitution
+    x, y, z, cx, cy, cz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(near.fluid_count[i]):
         j, dx, dy, dz, inverse = fluid_pair(i, k, near)
         weighed = weight(inverse, near)
@@ -252,7 +258,11 @@ def pair_forces_at(i, fluid, near, numbers):
         x += line * dx + drag * du
         y += line * dy + drag * dv
         z += line * dz + drag * dw
-    return x, y, z
+        hit = hit_between(along, inverse, rho, rho_j, j, numbers.collision_distance, near)
+        cx += hit * dx
+        cy += hit * dy
+        cz += hit * dz
+    return x, y, z, rebound * cx, rebound * cy, rebound * cz
 
 
 @kernel
@@ -276,11 +286,11 @@ def wall_forces_at(i, fluid, near, solid, numbers):
 def _advance_by_pairs(first, last, dt, fluid, near, numbers, velocity):
     g = numbers.gravity
     for i in range(first, last):
-        x, y, z = pair_forces_at(i, fluid, near, numbers)
+        x, y, z, cx, cy, cz = pair_forces_at(i, fluid, near, numbers)
         per = dt / density_of(i, fluid.density, numbers)
-        velocity[i, 0] = fluid.velocity[i, 0] + per * x + dt * g[0]
-        velocity[i, 1] = fluid.velocity[i, 1] + per * y + dt * g[1]
-        velocity[i, 2] = fluid.velocity[i, 2] + per * z + dt * g[2]
+        velocity[i, 0] = fluid.velocity[i, 0] + per * x + dt * g[0] + cx
+        velocity[i, 1] = fluid.velocity[i, 1] + per * y + dt * g[1] + cy
+        velocity[i, 2] = fluid.velocity[i, 2] + per * z + dt * g[2] + cz
 
 
 @kernel

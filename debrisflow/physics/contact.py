@@ -32,6 +32,14 @@ def impulse(along, inverse, share, distance):
 
 
 @kernel
+def hit_between(along, inverse, rho_i, rho_j, j, distance, near):
+    """Return :func:`impulse` of a pair, 0 where particles do not collide: the distance is None."""
+    if distance is None:
+        return 0.0
+    return impulse(along, inverse, impulse_share(rho_i, rho_j, j, near), distance)
+
+
+@kernel
 def collisions_at(i, velocity, density, distance, near):
     """Return the change of velocity of particle i by its collisions without rebound, m/s."""
     u, v, w, rho = velocity[i, 0], velocity[i, 1], velocity[i, 2], density[i]

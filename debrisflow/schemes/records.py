@@ -83,5 +83,6 @@ def numbers_of(case: ResolvedCase, lattice: Reference) -> Numbers:
         diffusion=scheme.density_diffusion,
         relaxation=scheme.density_relaxation,
         artificial_viscosity=scheme.artificial_viscosity,
+        collision_distance=scheme.collision_distance * lattice.spacing or None,
         restitution=scheme.collision_restitution,
     )

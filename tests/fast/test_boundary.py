@@ -40,7 +40,7 @@ def turn_of(rng):
 
 
 def accelerations(position, solid, fluid, **changes):
-    """Return acceleration of each particle, and what walls push and drag it by, (n, 9) array."""
+    """Return acceleration and change of velocity by collisions of each particle, (n, 6) array."""
     near, numbers = two_lists(position, LATTICE), numbers_of(LATTICE, **changes)
     return np.array([acceleration_at(i, fluid, near, solid, numbers) for i in range(len(position))])
 
@@ -95,7 +95,7 @@ def test_a_ceiling_does_not_pull(rng, normal, pressure):
         # no less than its own pressure alone does
         assert (found[:3] - gravity) @ normal >= least - ROUNDING * 9.81
         if pressure == 0.0 and normal[2] == -1.0:
-            np.testing.assert_allclose(found, [*gravity, *(0.0,) * 6], atol=1e-12)
+            np.testing.assert_allclose(found, [*gravity, *(0.0,) * 9], atol=1e-12)
 
 
 def standing_on(normal, rows=10):

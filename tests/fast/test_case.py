@@ -162,12 +162,13 @@ class TestRoundTrip:
         assert reloaded(case, tmp_path) == case
 
 
-def test_a_resolved_case_of_three_dimensions_of_before_loads(tmp_path: Path) -> None:
-    path = tmp_path / "case.toml"
-    path.write_text(dump_case(load_case(Path(__file__).parents[2] / "cases" / "still_tank3d.toml")))
-    path.write_text(path.read_text().replace("[scheme]\n", "[scheme]\ncollision_distance = 0.8\n"))
-    assert "collision_distance" in path.read_text()
-    assert "collision_distance" not in dump_case(load_case(path))
+@pytest.mark.parametrize(("name", "distance"), [("still_tank3d", 0.0), ("heap3d", 0.8)])
+def test_grains_collide_and_water_does_not_unless_told(name: str, distance: float) -> None:
+    path = Path(__file__).parents[2] / "cases" / f"{name}.toml"
+
+    assert load_case(path).explicit_scheme.collision_distance == distance
+    told = load_case(path, ["scheme.collision_distance=0.5"])
+    assert told.explicit_scheme.collision_distance == 0.5
 
 
 # as it stood in the case file of every run folder, without the fields that have no default

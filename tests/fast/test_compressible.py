@@ -255,12 +255,26 @@ def test_the_acceleration_is_the_sum_over_all_pairs(position, fluid, solid, peri
     force = np.einsum("ij,ijk->ik", along, r) + np.einsum("ij,ijk->ik", drag, u_ij)
     force += pushes(position, fluid, solid, period, numbers) + drags(u, mu, solid)
     assert_alike(found[:, :3], numbers.gravity + force / rho[:, None])
+    hits = np.where((d < 0.8 * SPACING) & (approach < 0.0), approach / d**2, 0.0)
+    assert np.any(hits)
+    shared = hits * rho[None] / mean  # twice the reduced mass over the own
+    assert_alike(found[:, 3:6], 0.5 * 1.2 * np.einsum("ij,ijk->ik", shared, r))
+
+
+def test_without_a_distance_nothing_collides(position, fluid, period):
+    free = rows(acceleration_at, position, fluid, NO_WALLS, period, collision_distance=None)
+    found = rows(acceleration_at, position, fluid, NO_WALLS, period)
+    np.testing.assert_array_equal(free[:, 3:6], 0.0)
+    np.testing.assert_allclose(free[:, :3], found[:, :3], rtol=1e-9, atol=1e-9)
 
 
 def test_forces_between_particles_conserve_momentum(position, fluid, period):
     found = rows(acceleration_at, position, fluid, NO_WALLS, period, gravity=np.zeros(3))
     assert np.abs(found[:, :3]).max() > 1.0
-    assert balance(densities(fluid)[:, None] * found[:, :3]) < EXACT
+    assert np.abs(found[:, 3:6]).max() > 0.1
+    mass = densities(fluid)[:, None]
+    assert balance(mass * found[:, :3]) < EXACT
+    assert balance(mass * found[:, 3:6]) < EXACT
 
 
 def test_the_loop_over_particles_conserves_momentum(position, fluid, period):
@@ -279,21 +293,22 @@ def test_the_loop_over_particles_conserves_momentum(position, fluid, period):
     assert balance(mass * gained) < EXACT
 
 
-def test_pressure_and_damping_conserve_angular_momentum(position, fluid):
+def test_pressure_damping_and_collisions_conserve_angular_momentum(position, fluid):
     inviscid = fluid._replace(viscosity=np.zeros(300))
     found = rows(acceleration_at, position, inviscid, NO_WALLS, gravity=np.zeros(3))
-    assert np.any(found[:, :3])
-    force = densities(fluid)[:, None] * found[:, :3]
-    assert balance(np.cross(position, force)) < EXACT
+    for parts in (found[:, :3], found[:, 3:6]):
+        assert np.any(parts)
+        force = densities(fluid)[:, None] * parts
+        assert balance(np.cross(position, force)) < EXACT
 
 
-@pytest.mark.parametrize("part", ["artificial_viscosity", "viscosity"])
+@pytest.mark.parametrize("part", ["artificial_viscosity", "viscosity", "collisions"])
 def test_dissipation_takes_energy_of_any_motion(position, fluid, part):
     calm = fluid_of(300, velocity=fluid.velocity, density=fluid.density)
     calm = calm._replace(viscosity=fluid.viscosity * (part == "viscosity"))
     changes = {"artificial_viscosity": 0.05 * (part == "artificial_viscosity")}
-    changes["gravity"] = np.zeros(3)
-    given = rows(acceleration_at, position, calm, NO_WALLS, **changes)[:, :3]
+    found = rows(acceleration_at, position, calm, NO_WALLS, gravity=np.zeros(3), **changes)
+    given = found[:, 3:6] if part == "collisions" else found[:, :3]
     # relative to rho0
     assert densities(fluid) @ np.sum(given * fluid.velocity, axis=1) / 1000.0 < -1e-3
 
@@ -325,6 +340,7 @@ def test_a_linear_pressure_is_exact_on_the_lattice(block, rng):
         # the sum of the magnitudes of 57 pairs is p / (rho d0), 20 m/s2, times some ten
         expected = [1.0, 2.0, -9.0] - (slope + grains) / (light * 1000.0)
         np.testing.assert_allclose(found[:3], expected, atol=200.0 / light * EXACT)
+        assert not np.any(found[3:6])
 
 
 def viscous(position, velocity, solid=NO_WALLS):

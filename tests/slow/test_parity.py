@@ -110,11 +110,11 @@ def each(function, *arguments):
 
 
 def accelerations(patch, density, **known):
-    """Return the acceleration by nothing but what is known."""
-    changes = {"gravity": np.zeros(3), "artificial_viscosity": 0.0}
+    """Return acceleration and change of velocity by collisions, with nothing but what is known."""
+    changes = {"gravity": np.zeros(3), "artificial_viscosity": 0.0, "restitution": 0.2}
     fluid = fluid_of(COUNT, density=density, **known)
     found = each(acceleration_at, fluid, patch.two, NO_WALLS, numbers_of(patch.lattice, **changes))
-    return found[:, :3]
+    return found[:, :3], found[:, 3:6]
 
 
 def assert_alike(found, expected):
@@ -184,6 +184,8 @@ def test_collisions(patch, rng, has_supply):
     patch = patch.with_supply() if has_supply else patch
     density, distance = rng.uniform(1000.0, 2650.0, COUNT), 0.8 * SPACING
     found = 1.2 * each(collisions_at, patch.velocity, density, distance, patch.one)
+    _, impulse = accelerations(patch, density, velocity=patch.velocity)
+    assert_alike(impulse, found)
     r, d, _ = patch.pairs
     along = np.sum(patch.differences * r, axis=2)
     hits = np.where((d < distance) & (along < 0.0), along / d**2, 0.0)
@@ -196,7 +198,7 @@ def test_viscous_force(patch, rng):
     viscosity, density = rng.uniform(0.1, 10.0, COUNT), rng.uniform(1000.0, 2650.0, COUNT)
     found = each(viscous_force_at, patch.velocity, viscosity, patch.one, NOTHING)
     known = {"velocity": patch.velocity, "viscosity": viscosity}
-    acceleration = accelerations(patch, density, **known)
+    acceleration, _ = accelerations(patch, density, **known)
     assert_alike(density[:, None] * acceleration, found)
     _, _, w = patch.pairs
     n0, lambda_ = patch.lattice.number_density, patch.lattice.laplacian_lambda
@@ -209,7 +211,7 @@ def test_viscous_force(patch, rng):
 def test_sum_gradient(patch, rng):
     pressure, density = rng.uniform(0.0, 1e4, COUNT), rng.uniform(1000.0, 2650.0, COUNT)
     found = each(gradient_at, pressure, True, patch.one, NOTHING)
-    acceleration = accelerations(patch, density, pressure=pressure)
+    acceleration, _ = accelerations(patch, density, pressure=pressure)
     assert_alike(-density[:, None] * acceleration, found)
     r, d, w = patch.pairs
     f = patch.dimension / patch.lattice.number_density * w / d**2
@@ -223,7 +225,7 @@ def test_collision_stress(patch, rng):
     stress = patch.velocity, everywhere, pressure, viscosity
     found = each(collision_force_at, *stress, patch.one, NOTHING)
     known = {"velocity": patch.velocity, "grain_pressure": pressure, "viscosity": viscosity}
-    acceleration = accelerations(patch, density, **known)
+    acceleration, _ = accelerations(patch, density, **known)
     assert_alike(density[:, None] * acceleration, found)
 
 
