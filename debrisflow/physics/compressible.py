@@ -324,9 +324,9 @@ def advance_velocity(dt, fluid, near, solid, numbers, velocity, push, reaction, 
     """Write the velocity of every fluid particle after a time step, (n, 3) float64 array, m/s.
 
     The right side of equation (13), momentum of a weakly compressible mixture, over rho: what the
-    fluid does and gravity, then the walls, and bounces of what has come into one, in a loop of
-    their own, since few particles are near a wall.  Also what the walls push a particle by with
-    their pressure, and all that they do to it, viscosity and bounces among it, (n, 3) float64
+    fluid does, collisions and gravity, then the walls, and bounces of what has come into one, in a
+    loop of their own, since few particles are near a wall.  Also what the walls push a particle by
+    with their pressure, and all that they do to it, viscosity and bounces among it, (n, 3) float64
     arrays, m/s2, and which particles bounced, (n,) bool array.
     """
     for block in prange((velocity.shape[0] + BLOCK - 1) // BLOCK):

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.resolved import ResolvedScheme
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.space.domain import WALL_NAMES
@@ -35,9 +34,7 @@ def solid_of(particles: Particles, case: ResolvedCase) -> Solid:
     """Return what is known of the wall particles, which do not change their places."""
     p, walls = particles, slice(particles.inflow.stop, particles.count)
     normal, depth = p.wall_normal[walls], p.wall_depth[walls]
-    scheme = case.scheme
-    distance = scheme.collision_distance if isinstance(scheme, ResolvedScheme) else 0.5
-    reach = (distance - 0.5) * case.particles.spacing
+    reach = (case.scheme.collision_distance - 0.5) * case.particles.spacing
     contact = _contact_height(normal, depth, reach, case.particles.spacing)
     return Solid(
         position=p.position[walls].copy(),

@@ -10,6 +10,7 @@ from debrisflow.cli import main
 from debrisflow.errors import OutputError
 from debrisflow.results import open_run
 from debrisflow.results.compare import compare
+from debrisflow.results.plots.probes import curves_to_draw
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.probe_curves import ProbeCurve, figures_of, running_mean
 from debrisflow.results.references import distances, read_reference
@@ -160,9 +161,12 @@ def test_a_shift_does_not_win_by_leaving_out_the_worst_point(tmp_path, found):
     assert row.shift == 0.0
 
 
-def test_every_column_of_a_probe_can_be_compared(tmp_path, found):
-    (row,) = distances(found, reference(tmp_path / "wire.csv", level__height=0.1 + 0.0 * TIME))
+def test_every_column_of_a_probe_can_be_compared_and_is_drawn(tmp_path, found):
+    given = reference(tmp_path / "wire.csv", level__height=0.1 + 0.0 * TIME)
+    (row,) = distances(found, given)
     assert row.rms == pytest.approx(0.0, abs=1e-12)
+    drawn = [(curve.probe, curve.column) for curve in curves_to_draw(found, [given])]
+    assert drawn[-2:] == [("level", "filled_height"), ("level", "height")]
 
 
 def test_a_reference_of_other_times_is_told(tmp_path, found):

@@ -166,8 +166,9 @@ def test_a_jet_presses_on_a_plate_as_potential_flow_does():
 @pytest.mark.parametrize(
     "rows",
     [
-        # a bound that is missed and stays
-        pytest.param(1, marks=pytest.mark.xfail(strict=True, reason="+10 %")),
+        # a bound that is missed and stays: one row moves as the law of the wall says for half the
+        # depth under the stress on the floor, 3.06 m/s, and the mean of the profile is 2.76 m/s
+        pytest.param(1, marks=pytest.mark.xfail(strict=True, reason="+10 %, as by the law")),
         2,
         4,
         8,

@@ -13,7 +13,7 @@ from debrisflow.results.plots.curves import (
     profile_figure,
 )
 from debrisflow.results.plots.maps import deposit_figure, maxima_figure
-from debrisflow.results.plots.probes import probe_figure
+from debrisflow.results.plots.probes import curves_to_draw, probe_figure
 from debrisflow.results.plots.style import caption, save, styled
 from debrisflow.results.probe_curves import told_span
 from debrisflow.results.references import Distance, Reference
@@ -54,11 +54,11 @@ def draw(
             "maxima": ("Greatest values since the start", maxima_figure(found)),
             "budget": ("Budgets of mass, energy and momentum", budget_figure(found)),
         }
-        if found.probe_curves:
+        if curves := curves_to_draw(found, given):
             span = told_span(found.smoothing)
             figures["probes"] = (
                 f"Probes: samples, and means over {span}",
-                probe_figure(found, given),
+                probe_figure(curves, given),
             )
         return [
             save(figure, target / f"{name}.png", title, source)

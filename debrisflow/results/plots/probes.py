@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from debrisflow.results.plots.curves import draw_reference, legend
 from debrisflow.results.plots.style import CYCLE, LINES, SETTINGS, panels
-from debrisflow.results.probe_curves import ProbeCurve
+from debrisflow.results.probe_curves import ProbeCurve, probe_curve
 from debrisflow.results.references import Reference
 from debrisflow.results.survey import Survey
 
@@ -20,9 +20,21 @@ MOST_PANELS = 16
 THIN = 0.4 * SETTINGS["lines.linewidth"]
 
 
-def probe_figure(found: Survey, given: Sequence[Reference]) -> Figure:
-    """Return the samples of the probes, a panel each, with running means and references."""
-    parts = [list(part) for _, part in groupby(found.probe_curves, lambda one: one.probe)]
+def curves_to_draw(found: Survey, given: Sequence[Reference]) -> list[ProbeCurve]:
+    """Return the curves of the probes, with those beside them that a reference has, by probe."""
+    curves = list(found.probe_curves)
+    known = {_key(one) for one in curves}
+    asked = [name for one in given if one.abscissa == "time" for name in one.curves]
+    for name in dict.fromkeys(asked):
+        if name not in known and name not in found.fronts:
+            curves.append(probe_curve(found.run, name, found.smoothing))
+    order = [probe.name for probe in found.run.case.probe]
+    return sorted(curves, key=lambda one: order.index(one.probe))
+
+
+def probe_figure(curves: Sequence[ProbeCurve], given: Sequence[Reference]) -> Figure:
+    """Return the samples of probes, a panel each, with running means and references."""
+    parts = [list(part) for _, part in groupby(curves, lambda one: one.probe)]
     shown = parts[:MOST_PANELS]
     figure, axes = panels(len(shown), height=HEIGHT, sharex=True)
     for part, one in zip(shown, axes, strict=True):
@@ -30,7 +42,7 @@ def probe_figure(found: Survey, given: Sequence[Reference]) -> Figure:
             words = curve.column.replace("_", " ")
             one.plot(curve.time, curve.values, color=color, linewidth=THIN, alpha=0.5)
             one.plot(curve.time, curve.smooth, color=color, label=words)
-            name = f"{curve.probe}.{curve.column}"
+            name = _key(curve)
             for reference in given:
                 if reference.abscissa == "time" and name in reference.curves:
                     draw_reference(one, reference, name, f"{reference.name}: {words}", color)
@@ -61,6 +73,11 @@ def compared_probes(found: Sequence[Survey], names: Sequence[str]) -> Figure | N
 def compared_span(found: Sequence[Survey]) -> float:
     """Return the time over which the running means of runs go, s."""
     return max((curve.span for one in found for curve in one.probe_curves), default=np.nan)
+
+
+def _key(curve: ProbeCurve) -> str:
+    """Return the name of a curve in a reference."""
+    return f"{curve.probe}.{curve.column}"
 
 
 def _name(axes: Axes, curve: ProbeCurve, column: str = "") -> None:

@@ -1,4 +1,4 @@
-"""The forces of the explicit scheme: pressure, viscosity, gravity, and bounces off walls."""
+"""The forces of the explicit scheme: pressure, viscosity, gravity, collisions, bounces."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Forces(Term):
         self._is_even, self._has_one_viscosity = is_even, has_one_viscosity or not is_viscous
 
     def act(self, step: Step) -> None:
-        """Change the velocity of the fluid particles by all forces, and bounces off walls."""
+        """Change the velocity of the fluid particles by all forces, collisions and bounces."""
         scene = step.scene
         fluid = fluid_of(scene, self._is_even, self._has_one_viscosity, step.pressure)
         step.reaction, step.push = np.empty((2, step.particles.fluid_count, 3))
