@@ -1,10 +1,13 @@
-"""Tables of the bodies of three dimensions: boxes, and what a closed mesh encloses."""
+"""Bodies given by their shape: obstacles, which may move, and what a closed mesh encloses."""
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from debrisflow.case.fields import NONE, Components, Interval, Point, Table, quantity
+from pydantic import Field, Strict
+
+from debrisflow.case.fields import NONE, Components, Interval, Point, Table, Vector, quantity
+from debrisflow.case.motion import Motion
 
 MESH_FILE = "closed surface of triangles: an STL, OBJ or PLY file, looked for beside the case"
 
@@ -28,15 +31,52 @@ def _obstacle_name() -> Any:
     )
 
 
+def _slip() -> Any:
+    return quantity(NONE, "condition along the wall", "no-slip")
+
+
+def _motion() -> Any:
+    return quantity(
+        NONE,
+        "how it moves; a table, or a CSV file beside the case with the columns time and any of "
+        "x, y, z, angle; it stands still if left out",
+        None,
+    )
+
+
 class BoxObstacle(Table):
-    """A box of wall in the way of the flow."""
+    """A box of wall in the way of the flow, in two dimensions a rectangle."""
 
     type: Literal["box"]
     name: str = _obstacle_name()
     x: Interval = quantity("m", "extent along x")
     y: Interval = quantity("m", "extent along y")
-    z: Interval = quantity("m", "extent along z")
-    slip: Literal["no-slip", "free-slip"] = quantity(NONE, "condition along the wall", "no-slip")
+    z: Interval | None = quantity("m", "extent along z, in three dimensions", None)
+    slip: Literal["no-slip", "free-slip"] = _slip()
+    motion: Motion | str | None = _motion()
+
+    @property
+    def extents(self) -> tuple[Interval, ...]:
+        """Its extents along the axes of the space; the last one is upward."""
+        return (self.x, self.y) if self.z is None else (self.x, self.y, self.z)
+
+
+class PolygonObstacle(Table):
+    """A polygon of wall in the way of the flow, in two dimensions: a wedge, a step, a weir."""
+
+    type: Literal["polygon"]
+    name: str = _obstacle_name()
+    corners: Annotated[tuple[Vector, ...], Strict(False), Field(min_length=3)] = quantity(
+        "m", "its corners (x, y), one after the other around it"
+    )
+    slip: Literal["no-slip", "free-slip"] = _slip()
+    motion: Motion | str | None = _motion()
+
+    @property
+    def extents(self) -> tuple[Interval, ...]:
+        """Those of the box around it."""
+        x, y = zip(*self.corners, strict=True)
+        return (min(x), max(x)), (min(y), max(y))
 
 
 class MeshObstacle(Table):
@@ -47,4 +87,5 @@ class MeshObstacle(Table):
     file: str = quantity(NONE, MESH_FILE)
     scale: float = quantity(NONE, "factor from the lengths of the file to meters", 1.0, gt=0)
     offset: Point = quantity("m", "displacement of the scaled mesh", (0.0, 0.0, 0.0))
-    slip: Literal["no-slip", "free-slip"] = quantity(NONE, "condition along the wall", "no-slip")
+    slip: Literal["no-slip", "free-slip"] = _slip()
+    motion: Motion | str | None = _motion()

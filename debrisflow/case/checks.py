@@ -13,6 +13,7 @@ from math import hypot, isclose, sqrt
 from typing import Any
 
 from debrisflow.case import (
+    motion_checks,
     obstacle_checks,
     probe_checks,
     space_checks,
@@ -305,6 +306,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     one_way_of_gravity,
     *space_checks.CHECKS,
     *obstacle_checks.CHECKS,
+    *motion_checks.CHECKS,
     shares_of_mixes,
     inflow_in_channel,
     supply_across_channel,

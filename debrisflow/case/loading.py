@@ -18,6 +18,7 @@ from debrisflow.case.defaults import complete
 from debrisflow.case.fields import NONE, Table
 from debrisflow.case.hydrograph import inline_hydrograph
 from debrisflow.case.meshes import find_meshes
+from debrisflow.case.motion_files import inline_motions
 from debrisflow.case.overrides import apply_overrides
 from debrisflow.case.problems import Problem, locate, translate
 from debrisflow.case.resolved import ResolvedCase
@@ -54,6 +55,8 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> ResolvedCase:
     unread = find_meshes(data, path.parent)
     if supply := inline_hydrograph(data, path.parent):
         unread["inflow"] = supply
+    if moves := inline_motions(data, path.parent):
+        unread.setdefault("obstacle", []).extend(moves)
     tables, wrong = _build(data)
     for name, reasons in unread.items():
         tables.pop(name, None)

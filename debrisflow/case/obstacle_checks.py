@@ -1,4 +1,4 @@
-"""Checks of the obstacles and meshes in three dimensions."""
+"""Checks of the obstacles, and of the meshes among fills."""
 
 from __future__ import annotations
 
@@ -23,10 +23,27 @@ Obstacles = tuple[AnyObstacle, ...]
 
 
 def obstacles_of_dimension(geometry: Geometry, obstacle: Obstacles) -> Problems:
-    """Check that obstacles stand in three dimensions."""
-    if obstacle and not is_three_dimensional(geometry):
-        message = f"there are none in a {geometry.type}; use geometry.type = '{geometry.type}3d'"
-        yield Problem("obstacle", message)
+    """Check that obstacles have the dimension of the space."""
+    has_three = is_three_dimensional(geometry)
+    for k, body in enumerate(obstacle):
+        if isinstance(body, BoxObstacle) and has_three and body.z is None:
+            yield Problem(f"obstacle.{k}.z", "missing: extent along z, in three dimensions (m)")
+        elif isinstance(body, BoxObstacle) and not has_three and body.z is not None:
+            message = "only in three dimensions; in two y is up: leave z out"
+            yield Problem(f"obstacle.{k}.z", message, body.z)
+        elif isinstance(body, MeshObstacle) and not has_three:
+            message = f"only in three dimensions: geometry.type = '{geometry.type}3d'"
+            yield Problem(f"obstacle.{k}.type", message, body.type)
+
+
+def _of_dimension(geometry: Geometry, obstacle: Obstacles) -> dict[int, AnyObstacle]:
+    """Return the obstacles that have the dimension of the space, by their places in the case."""
+    axes = 3 if is_three_dimensional(geometry) else 2
+    return {
+        k: body
+        for k, body in enumerate(obstacle)
+        if (len(body.extents) if isinstance(body, BoxObstacle) else 3) == axes
+    }
 
 
 def obstacles_named(obstacle: Obstacles) -> Problems:
@@ -41,10 +58,8 @@ def obstacles_named(obstacle: Obstacles) -> Problems:
 
 def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacles) -> Problems:
     """Check that obstacles lie inside the space and boxes are a spacing thick."""
-    if not is_three_dimensional(geometry):
-        return
     spaces = list(dict.fromkeys(open_space(geometry, particles)))
-    for k, body in enumerate(obstacle):
+    for k, body in _of_dimension(geometry, obstacle).items():
         area = occupied(body)
         slack = TOLERANCE if isinstance(body, BoxObstacle) else MESH_SLACK
         if not any(space.shrunk(-slack * particles.spacing).holds(area) for space in spaces):
@@ -53,7 +68,7 @@ def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacl
             yield Problem(f"obstacle.{k}", message)
         if not isinstance(body, BoxObstacle):
             continue
-        for axis, extent in (("x", body.x), ("y", body.y), ("z", body.z)):
+        for axis, extent in zip("xyz", body.extents, strict=False):
             if 0 < extent[1] - extent[0] < (1 - TOLERANCE) * particles.spacing:
                 message = f"not resolved: must be at least one spacing of {particles.spacing:g} m"
                 yield Problem(f"obstacle.{k}.{axis}", message, extent)
@@ -63,9 +78,8 @@ def obstacles_apart(
     geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
 ) -> Problems:
     """Check that obstacles overlap neither each other nor a fill."""
-    if not is_three_dimensional(geometry):
-        return
-    solids = [(f"obstacle.{k}", body, occupied(body)) for k, body in enumerate(obstacle)]
+    standing = _of_dimension(geometry, obstacle)
+    solids = [(f"obstacle.{k}", body, occupied(body)) for k, body in standing.items()]
     fluids = [
         (f"fill.{k}", part, area)
         for k, part in enumerate(fill)

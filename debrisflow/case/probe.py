@@ -117,10 +117,7 @@ def _ends(lower: float, upper: float) -> str:
 
 def _distance_to_box(place: tuple[float, float, float], box: BoxObstacle) -> float:
     """Return the distance of a point, outside or inside, to the surface of a box, m."""
-    gaps = [
-        max(low - at, at - high)
-        for at, (low, high) in zip(place, (box.x, box.y, box.z), strict=True)
-    ]
+    gaps = [max(low - at, at - high) for at, (low, high) in zip(place, box.extents, strict=False)]
     return hypot(*(max(gap, 0.0) for gap in gaps)) if max(gaps) > 0 else -max(gaps)
 
 

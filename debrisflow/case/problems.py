@@ -147,7 +147,7 @@ def translate(error: Mapping[str, Any]) -> Problem | None:
         return Problem(place.key, message, value)
     if error["loc"][-1] == "str":
         return None
-    if error["loc"][-1] == "Hydrograph":
+    if error["loc"][-1] in ("Hydrograph", "Motion"):
         return Problem(place.key, "must be a table or the name of a CSV file", value)
     tell = _MESSAGES.get(kind)
     message = tell(error.get("ctx", {}), place) if tell else error["msg"].lower()

@@ -135,8 +135,7 @@ def occupied(part: AnyObstacle | MeshFill) -> Region:
     if isinstance(part, MeshFill | MeshObstacle):
         surface = surface_of(part)
         return Region(tuple(surface.lower.tolist()), tuple(surface.upper.tolist()))
-    extents = (part.x, part.y, part.z)
-    return Region(tuple(e[0] for e in extents), tuple(e[1] for e in extents))
+    return Region(tuple(e[0] for e in part.extents), tuple(e[1] for e in part.extents))
 
 
 def lattice_points(mesh: MeshFill | MeshObstacle, particles: Particles) -> NDArray[np.int64] | None:

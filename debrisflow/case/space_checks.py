@@ -6,7 +6,7 @@ from collections.abc import Callable
 from itertools import combinations
 from math import degrees, isfinite
 
-from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
+from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
 from debrisflow.case.fields import Interval
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import (
@@ -248,7 +248,7 @@ def nothing_on_runout(
     bodies = [(f"fill.{k}", part) for k, part in enumerate(fill)]
     bodies += [(f"obstacle.{k}", body) for k, body in enumerate(obstacle)]
     for key, body in bodies:
-        if isinstance(body, MeshFill | MeshObstacle):
+        if isinstance(body, MeshFill | MeshObstacle | PolygonObstacle):
             end = occupied(body).upper[0]
             if end > farthest:
                 yield Problem(key, f"{message}, and not at x = {end:.6g} m")

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
-from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
+from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
 from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
 from debrisflow.case.friction import Friction
 from debrisflow.case.materials import Mixture, Sediment, Water
@@ -93,7 +93,7 @@ class Bed(Table):
 
 
 AnyFill = Block | Bed | MeshFill
-AnyObstacle = BoxObstacle | MeshObstacle
+AnyObstacle = BoxObstacle | PolygonObstacle | MeshObstacle
 
 
 class Wall(Table):
@@ -380,7 +380,7 @@ class Case(Table):
     geometry: Annotated[Geometry, Field(discriminator="type")]
     obstacle: Annotated[
         tuple[Annotated[AnyObstacle, Field(discriminator="type")], ...], Strict(False)
-    ] = Field((), description="walls in the way of the flow, in three dimensions")
+    ] = Field((), description="walls in the way of the flow")
     fill: Annotated[tuple[Annotated[AnyFill, Field(discriminator="type")], ...], Strict(False)] = (
         Field((), description="what is filled with particles at the start")
     )

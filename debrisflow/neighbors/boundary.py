@@ -24,12 +24,29 @@ from debrisflow.neighbors.beyond import (
     seen_distance,
 )
 from debrisflow.neighbors.pairs import BLOCK
-from debrisflow.neighbors.wall_access import velocity_of
 
 Floats = NDArray[np.float64]
 FACES = 3  # of walls that one particle can stand in front of
 LEAST_HEIGHT = 0.25
 """Spacings below which a height does not divide: nearer, contact holds the particle."""
+
+
+class WallMotion(NamedTuple):
+    """How the walls move, by their number; the numbers are of the present time.
+
+    Attributes
+    ----------
+    velocity : (walls, 3) float64 array, m/s
+        Along itself of a wall of the space, of all of an obstacle that is displaced.
+    spin : (walls, 3) float64 array, rad/s
+        Angular velocity of an obstacle that turns.
+    axis : (walls, 3) float64 array, m
+        A point of the axis that it turns about.
+    """
+
+    velocity: Floats
+    spin: Floats
+    axis: Floats
 
 
 class Walls(NamedTuple):
@@ -41,13 +58,13 @@ class Walls(NamedTuple):
         1 where a wall is free-slip, 0 where it is no-slip.
     roughness : (walls,) float64 array, m
         Equivalent sand roughness; 0 where the law of the wall does not act.
-    velocity : (walls, 3) float64 array, m/s, or None
+    motion : WallMotion or None
         None where no wall moves, for which kernels are compiled that are faster.
     """
 
     slip: Floats
     roughness: Floats
-    velocity: Floats | None
+    motion: WallMotion | None
 
 
 class Boundary(NamedTuple):
@@ -74,7 +91,9 @@ class Boundary(NamedTuple):
         Factor of the drag of a face, see :mod:`debrisflow.neighbors.wall_shares`.
     is_edge : (rows, 3) bool array
         Whether the particle stands off an edge of the body, not over a face of it.
-    slip, roughness, velocity
+    velocity : (rows, 3, 3) float64 array, m/s, or None
+        Of the walls at the faces, a row for each; None where no wall moves.
+    slip, roughness
         See :class:`Walls`.
     radius : float
         R, in spacings.
@@ -113,7 +132,7 @@ def boundary_of(row: NDArray[np.int32], walls: Walls, beyond: Beyond, sums: int)
         is_edge=np.zeros((rows, FACES), dtype=np.bool_),
         slip=walls.slip,
         roughness=walls.roughness,
-        velocity=walls.velocity,
+        velocity=None if walls.motion is None else np.zeros((rows, FACES, 3)),
         radius=beyond.radius,
         dimension=beyond.dimension,
     )
@@ -212,10 +231,10 @@ def wall_source_at(i, u, v, w, fall, near, solid):
     hx, hy, hz = s[14], s[15], s[16]
     flux = hx * fall[0] + hy * fall[1] + hz * fall[2]
     for f in range(face_count(i, solid)):
-        height, nx, ny, nz, number = face_at(i, f, solid)
+        height, nx, ny, nz, _ = face_at(i, f, solid)
         q = seen_distance(height / near.spacing, beyond_of(solid))
         part = part_of_face(i, f, q, near, solid) * flux_beyond(q, beyond_of(solid)) / near.spacing
-        du, dv, dw = velocity_beside(u - fall[0], v - fall[1], w - fall[2], number, solid)
+        du, dv, dw = velocity_beside(u - fall[0], v - fall[1], w - fall[2], i, f, solid)
         flux -= part * (du * nx + dv * ny + dw * nz)
     if i >= near.supply_from:
         flux = 0.0
@@ -255,7 +274,7 @@ def viscous_pull_at(i, velocity, near, solid):
             continue
         height = max(height, LEAST_HEIGHT * near.spacing)
         drag = lever_of_face(i, f, height, near, solid) / height
-        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        du, dv, dw = velocity_beside(u, v, w, i, f, solid)
         across = du * nx + dv * ny + dw * nz
         x -= drag * (du - across * nx)
         y -= drag * (dv - across * ny)
@@ -270,10 +289,66 @@ def grain_pull_at(i, velocity, near, solid):
 
 
 @kernel
-def velocity_beside(u, v, w, number, solid):
-    """Return a velocity relative to that of a wall, m/s."""
-    wall_u, wall_v, wall_w = velocity_of(number, solid.velocity)
+def velocity_of_face(i, f, solid):
+    """Return the velocity of the wall at face f of particle i, m/s; 0 where no wall moves."""
+    if solid.velocity is None:
+        return 0.0, 0.0, 0.0
+    else:
+        row, velocity = solid.row[i], solid.velocity
+        return velocity[row, f, 0], velocity[row, f, 1], velocity[row, f, 2]
+
+
+@kernel
+def velocity_beside(u, v, w, i, f, solid):
+    """Return a velocity relative to that of the wall at face f of particle i, m/s."""
+    wall_u, wall_v, wall_w = velocity_of_face(i, f, solid)
     return u - wall_u, v - wall_v, w - wall_w
+
+
+@kernel
+def flow_of_walls_at(i, solid):
+    """Return the sum of ``u_wall . G`` over the faces of particle i, 1/s."""
+    flow = 0.0
+    if solid.velocity is not None:
+        for f in range(face_count(i, solid)):
+            _, nx, ny, nz, _ = face_at(i, f, solid)
+            u, v, w = velocity_of_face(i, f, solid)
+            flow -= solid.push[solid.row[i], f] * (u * nx + v * ny + w * nz)
+    return flow
+
+
+@kernel
+def _write_velocities(first, last, position, motion, solid):
+    velocity, spin, axis = motion.velocity, motion.spin, motion.axis
+    for i in range(first, last):
+        for f in range(face_count(i, solid)):
+            distance, nx, ny, nz, b = face_at(i, f, solid)
+            x = position[i, 0] - distance * nx - axis[b, 0]
+            y = position[i, 1] - distance * ny - axis[b, 1]
+            z = position[i, 2] - distance * nz - axis[b, 2]
+            own = solid.velocity[solid.row[i], f]
+            own[0] = velocity[b, 0] + spin[b, 1] * z - spin[b, 2] * y
+            own[1] = velocity[b, 1] + spin[b, 2] * x - spin[b, 0] * z
+            own[2] = velocity[b, 2] + spin[b, 0] * y - spin[b, 1] * x
+
+
+@loop
+def write_velocities(position, motion, solid):
+    """Write the velocities of the walls at the faces of all particles.
+
+    ``u = velocity + spin x (r - axis)`` at the foot r of a particle on a face.
+
+    Parameters
+    ----------
+    position : (n, 3) float64 array, m
+    motion : WallMotion
+    solid : Boundary
+        Changed.
+    """
+    n = solid.row.size
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
+        _write_velocities(first, last, position, motion, solid)
 
 
 @kernel
@@ -295,7 +370,7 @@ def stick_at(i, f, near, solid):
     pull = 2.0 * near.dimension / near.number_density * push / height
     pull *= 1.0 - solid.slip[number]
     down = 2.0 * height
-    wall_u, wall_v, wall_w = velocity_of(number, solid.velocity)
+    wall_u, wall_v, wall_w = velocity_of_face(i, f, solid)
     return (
         pull,
         height,
@@ -354,7 +429,7 @@ def wall_moments_at(i, velocity, near, solid):
         rest = across - along
         xx, xy, yy = xx + along + rest * nx * nx, xy + rest * nx * ny, yy + along + rest * ny * ny
         xz, yz, zz = xz + rest * nx * nz, yz + rest * ny * nz, zz + along + rest * nz * nz
-        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        du, dv, dw = velocity_beside(u, v, w, i, f, solid)
         normal = du * nx + dv * ny + dw * nz
         gu = normal * nx + stick * (du - normal * nx)
         gv = normal * ny + stick * (dv - normal * ny)
@@ -386,8 +461,8 @@ def rebounded(i, u, v, w, reach, restitution, solid):
     Along the normal, with a restitution; what is along the face stays.
     """
     for f in range(face_count(i, solid)):
-        distance, nx, ny, nz, number = face_at(i, f, solid)
-        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        distance, nx, ny, nz, _ = face_at(i, f, solid)
+        du, dv, dw = velocity_beside(u, v, w, i, f, solid)
         approach = -(du * nx + dv * ny + dw * nz)
         if distance < reach and approach > 0.0:
             u += (1.0 + restitution) * approach * nx

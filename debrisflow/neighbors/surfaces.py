@@ -7,7 +7,13 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import allocating_kernel, kernel, loop
-from debrisflow.neighbors.boundary import Boundary, Walls, boundary_of, insert_face
+from debrisflow.neighbors.boundary import (
+    Boundary,
+    Walls,
+    boundary_of,
+    insert_face,
+    write_velocities,
+)
 from debrisflow.neighbors.boxes import Boxes, survey
 from debrisflow.neighbors.elements import Elements, add_elements, add_sphere, face_of_elements
 from debrisflow.neighbors.half_space import PULLED_BACK, STRETCH
@@ -104,11 +110,17 @@ class Surfaces:
     ) -> None:
         self._boxes, self._table, self._spacing = boxes, table, spacing
         self._walls, self._elements, self._ground = walls, elements, ground
-        self._period = period
+        self._period, self._greatest_skin = period, skin
         self._lists: FixedNeighbors | None = None
-        if elements.area.size:
-            reach = table.radius * spacing
-            self._lists = FixedNeighbors(elements.middle, reach, spacing, np.zeros(3), skin)
+        self.sort_elements()
+
+    def sort_elements(self) -> None:
+        """Sort the elements anew, which have moved."""
+        if self._elements.area.size:
+            reach = self._table.radius * self._spacing
+            self._lists = FixedNeighbors(
+                self._elements.middle, reach, self._spacing, np.zeros(3), self._greatest_skin
+            )
 
     def build(self, position: Floats, skin: float) -> None:
         """Find who comes near a wall before the lists, which have a skin, m, are built again."""
@@ -159,4 +171,6 @@ class Surfaces:
                 spacing,
                 self._boundary,
             )
+        if self._walls.motion is not None:
+            write_velocities(position, self._walls.motion, self._boundary)
         return self._boundary

@@ -23,9 +23,14 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import allocating_kernel, kernel, loop
-from debrisflow.neighbors.boundary import LEAST_HEIGHT, face_at, face_count, velocity_beside
+from debrisflow.neighbors.boundary import (
+    LEAST_HEIGHT,
+    face_at,
+    face_count,
+    velocity_beside,
+    velocity_of_face,
+)
 from debrisflow.neighbors.pairs import BLOCK
-from debrisflow.neighbors.wall_access import velocity_of
 from debrisflow.physics.turbulence import wall_friction
 
 Floats = NDArray[np.float64]
@@ -101,7 +106,7 @@ def friction_at(i, f, u, v, w, pressed, friction, columns, spacing, solid):
     than a spacing.
     """
     height, nx, ny, nz, number = face_at(i, f, solid)
-    u, v, w = velocity_beside(u, v, w, number, solid)
+    u, v, w = velocity_beside(u, v, w, i, f, solid)
     across = u * nx + v * ny + w * nz
     speed = np.sqrt(max(u * u + v * v + w * w - across * across, 0.0))
     b = 0.0
@@ -154,9 +159,9 @@ def _slow_along_walls(first, last, dt, reaction, friction, columns, spacing, sol
             speed, sliding, b = friction_at(
                 i, f, u, v, w, pressed, friction, columns, spacing, solid
             )
-            _, nx, ny, nz, number = face_at(i, f, solid)
+            _, nx, ny, nz, _ = face_at(i, f, solid)
             kept = slowed_speed(speed, sliding, b, dt) / max(speed, 1e-300)
-            du, dv, dw = velocity_beside(u, v, w, number, solid)
+            du, dv, dw = velocity_beside(u, v, w, i, f, solid)
             kept_u, kept_v, kept_w = along(du, dv, dw, nx, ny, nz, kept)
             velocity[i, 0] = u - (du - kept_u)
             velocity[i, 1] = v - (dv - kept_v)
@@ -186,9 +191,9 @@ def _hold_along_walls(
             speed, sliding, b = friction_at(
                 i, f, u, v, w, pressed, friction, columns, spacing, solid
             )
-            _, nx, ny, nz, number = face_at(i, f, solid)
+            _, nx, ny, nz, _ = face_at(i, f, solid)
             held = dt * (sliding / max(speed, SLOWEST) + b * speed)
-            wall_u, wall_v, wall_w = velocity_of(number, solid.velocity)
+            wall_u, wall_v, wall_w = velocity_of_face(i, f, solid)
             across = wall_u * nx + wall_v * ny + wall_w * nz
             gu += held * (wall_u - across * nx)
             gv += held * (wall_v - across * ny)

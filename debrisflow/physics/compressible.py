@@ -12,7 +12,13 @@ from numba import prange
 from numpy.typing import NDArray
 
 from debrisflow._jit import kernel, loop
-from debrisflow.neighbors.boundary import face_count, rebounded, viscous_pull_at, wall_sums_at
+from debrisflow.neighbors.boundary import (
+    face_count,
+    flow_of_walls_at,
+    rebounded,
+    viscous_pull_at,
+    wall_sums_at,
+)
 from debrisflow.neighbors.pairs import (
     BLOCK,
     fluid_pair,
@@ -119,7 +125,8 @@ def density_rate_at(i, fluid, near, solid, numbers):
 
     The first sum, continuity, is over fluid and walls; the second, over fluid, evens out noise
     but not the hydrostatic part, which would make the fluid sink; rho_ij is the mean density of the
-    pair.  Behind a wall the fluid moves against it as it does before it, ``-2 u_i . G``: the
+    pair.  Behind a wall the fluid moves against it as it does before it,
+    ``-2 (u_i - u_wall) . G``: the
     adjoint of :func:`debrisflow.physics.wall_push.wall_push_at`.  The asymmetry is that of what
     surrounds the particle, solid among it: ``d0 |sum of r_ij w / r^2 + G| / n0``.
 
@@ -155,7 +162,7 @@ def density_rate_at(i, fluid, near, solid, numbers):
     wall_n, wall_m, gx, gy, gz, _, _, _, _, _, _ = wall_sums_at(i, solid)
     n += wall_n
     m += wall_m
-    flow -= 2.0 * (u * gx + v * gy + w * gz)
+    flow += 2.0 * (flow_of_walls_at(i, solid) - u * gx - v * gy - w * gz)
     x += gx
     y += gy
     z += gz

@@ -138,12 +138,12 @@ def held_off_at(i, u, v, w, reach, sliding, solid):
     """
     for f in range(face_count(i, solid)):
         distance, nx, ny, nz, number = face_at(i, f, solid)
-        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        du, dv, dw = velocity_beside(u, v, w, i, f, solid)
         approach = -(du * nx + dv * ny + dw * nz)
         if distance >= reach or approach <= 0.0:
             continue
         u, v, w = u + approach * nx, v + approach * ny, w + approach * nz
-        du, dv, dw = velocity_beside(u, v, w, number, solid)
+        du, dv, dw = velocity_beside(u, v, w, i, f, solid)
         speed = np.sqrt(du * du + dv * dv + dw * dw)
         lost = min(sliding[number] * approach / max(speed, 1e-300), 1.0)
         u, v, w = u - lost * du, v - lost * dv, w - lost * dw

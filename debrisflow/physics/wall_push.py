@@ -8,9 +8,13 @@ from __future__ import annotations
 import numpy as np
 
 from debrisflow._jit import kernel
-from debrisflow.neighbors.boundary import face_at, face_count, wall_sums_at
+from debrisflow.neighbors.boundary import (
+    face_at,
+    face_count,
+    velocity_of_face,
+    wall_sums_at,
+)
 from debrisflow.neighbors.pairs import fluid_pair, gradient_factor, weight
-from debrisflow.neighbors.wall_access import velocity_of
 from debrisflow.physics.operators import cofactors
 
 LEAST_MOMENT = 0.04
@@ -43,8 +47,8 @@ def gradient_in_walls_at(i, pressure, rho, gravity, ax, ay, az, rate, near, soli
     third = near.number_density / near.dimension
     xx, yy, zz = xx + LEAST_MOMENT * third, yy + LEAST_MOMENT * third, zz + LEAST_MOMENT * third
     for k in range(face_count(i, solid)):
-        _, nx, ny, nz, number = face_at(i, k, solid)
-        wall_u, wall_v, wall_w = velocity_of(number, solid.velocity)
+        _, nx, ny, nz, _ = face_at(i, k, solid)
+        wall_u, wall_v, wall_w = velocity_of_face(i, k, solid)
         across = STIFF_ACROSS * third
         xx, xy, yy = xx + across * nx * nx, xy + across * nx * ny, yy + across * ny * ny
         xz, yz, zz = xz + across * nx * nz, yz + across * ny * nz, zz + across * nz * nz

@@ -132,4 +132,4 @@ class Explicit(Scheme):
             find_inside(self.vicinity.near.spacing, self.vicinity.solid, lost)
             if lost.any():
                 remove_lost(state, lost)
-                self.vicinity.update(p, is_fresh)
+                self.vicinity.update(p, state.time, is_fresh)

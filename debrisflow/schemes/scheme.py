@@ -54,7 +54,10 @@ class Scheme:
         with self.seconds.of("neighbors"):
             self._update_neighbors(state)
         p = state.particles
-        scene = Scene(state, self.vicinity.near, self.vicinity.solid, p.velocity[p.moving])
+        vicinity = self.vicinity
+        scene = Scene(
+            state, vicinity.near, vicinity.solid, p.velocity[p.moving], vicinity.wall_speed
+        )
         for term in self.terms:
             with self.seconds.of(term.name):
                 term.observe(scene)
@@ -67,7 +70,7 @@ class Scheme:
             p.reorder(p.fluid, order_by_cell(p.position[p.fluid], self.lattice.spacing))
             for term in self.terms:
                 term.refresh()
-        self.vicinity.update(p, is_fresh)
+        self.vicinity.update(p, state.time, is_fresh)
 
     def stable_dt(self, state: State) -> float:
         """Return the greatest time step, s, that the state allows."""

@@ -14,44 +14,44 @@ from debrisflow.neighbors.height_field import HeightField
 from debrisflow.neighbors.octant import octants
 from debrisflow.neighbors.quadrant import quadrants
 from debrisflow.neighbors.surfaces import Surfaces
+from debrisflow.schemes.moving_walls import MovingWalls
 from debrisflow.schemes.wall_particles import roughnesses, slips
 from debrisflow.space.bodies import Body, bodies_of
-from debrisflow.space.domain import WALL_NAMES, domain
+from debrisflow.space.domain import domain
 from debrisflow.space.mesh_pieces import area_vectors, pieces_of
+from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
 SAMPLES = 5  # least number of places along each side of a face by which it is found to be covered
 TOUCHING = 1e-6  # spacings
 
 
-def surfaces_of(case: ResolvedCase, skin: float, ground: HeightField | None = None) -> Surfaces:
-    """Return the walls of a case, for lists with at most a skin, spacings.
+def surfaces_of(
+    case: ResolvedCase, skin: float, ground: HeightField | None = None
+) -> tuple[Surfaces, MovingWalls]:
+    """Return the walls of a case, for lists with at most a skin, spacings, and what moves of them.
 
     In three dimensions a ground may lie over its floor.
     """
-    radius = case.particles.effective_radius
-    return Surfaces(
-        boxes=boxes_of(case),
+    radius, bodies = case.particles.effective_radius, bodies_of(case)
+    boxes = boxes_of(case, bodies)
+    elements = elements_from(*pieces_of(case, PULLED_BACK))
+    moving = MovingWalls(case, bodies, boxes, elements)
+    surfaces = Surfaces(
+        boxes=boxes,
         table=octants(radius) if case.dimension == 3 else quadrants(radius),
         spacing=case.particles.spacing,
-        walls=_walls_of(case),
-        elements=elements_from(*pieces_of(case, PULLED_BACK)),
+        walls=Walls(slips(case), roughnesses(case), moving.motion),
+        elements=elements,
         ground=ground,
         skin=skin,
         period=domain(case).period,
     )
+    return surfaces, moving
 
 
-def _walls_of(case: ResolvedCase) -> Walls:
-    velocity = np.zeros((len(WALL_NAMES) + len(case.obstacle), 3))
-    for number, name in enumerate(WALL_NAMES):
-        velocity[number, :2] = getattr(case.walls, name).velocity
-    return Walls(slips(case), roughnesses(case), velocity if velocity.any() else None)
-
-
-def boxes_of(case: ResolvedCase) -> Boxes:
-    """Return the record of the walls and box obstacles of a case."""
-    bodies = bodies_of(case)
+def boxes_of(case: ResolvedCase, bodies: list[Body]) -> Boxes:
+    """Return the record of the walls and box obstacles of a case, given as bodies."""
     ends = np.array([(body.x, body.y, body.z) for body in bodies])
     reach = case.particles.effective_radius * case.particles.spacing
     number = np.empty(ends.shape, dtype=np.int64)
@@ -76,9 +76,11 @@ def boxes_of(case: ResolvedCase) -> Boxes:
 def _pull_back(boxes: Boxes, bodies: list[Body], case: ResolvedCase) -> None:
     """Move the faces of the solid of the sums behind the surface that the fluid sees.
 
-    Where two boxes touch there is no surface: the face of one follows that of the other.
+    Where two boxes touch there is no surface: the face of one follows that of the other.  What an
+    obstacle that moves covers comes out when it has moved away, and so do its own faces but those
+    along which it slides.
     """
-    d0 = case.particles.spacing
+    d0, ways = case.particles.spacing, trajectories(case)
     back = PULLED_BACK * d0 if case.dimension == 3 else 0.0
     covered = np.array(
         [
@@ -89,10 +91,10 @@ def _pull_back(boxes: Boxes, bodies: list[Body], case: ResolvedCase) -> None:
     for b, axis, end in np.ndindex(covered.shape):
         outward = 2.0 * end - 1.0
         faces = (boxes.inner_lower, boxes.inner_upper)[end]
-        if covered[b, axis, end]:
-            boxes.number[b, axis, end] = -1
-        else:
+        if not covered[b, axis, end]:
             faces[b, axis] -= outward * back
+        elif bodies[b].number not in ways or axis not in ways[bodies[b].number].axes:
+            boxes.number[b, axis, end] = -1
     for b, axis, end in 2 * list(np.argwhere(covered)):  # twice, along three in a row
         surface = (boxes.lower, boxes.upper)[end][b, axis]
         faces = (boxes.inner_lower, boxes.inner_upper)[end]
@@ -121,8 +123,9 @@ def _is_covered(b: int, axis: int, end: int, bodies: list[Body], case: ResolvedC
     own = np.stack([grid.ravel() for grid in np.meshgrid(*lines, indexing="ij")], axis=1)
     places = np.array(body.origin) + own @ body.axes
     inside = np.zeros(len(places), dtype=bool)
+    ways = trajectories(case)
     for other in bodies[:b] + bodies[b + 1 :]:
-        if not (body.is_floor and other.is_floor):
+        if not (body.is_floor and other.is_floor) and other.number not in ways:
             inside |= other.holds(places)
     return bool(inside.all())
 

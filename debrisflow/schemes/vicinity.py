@@ -35,8 +35,12 @@ class Vicinity(Protocol):
     def solid(self) -> Solid | Boundary:
         """The walls, of particles or as surfaces."""
 
-    def update(self, particles: Particles, is_fresh: bool) -> None:
-        """Bring the lists up to the places of the particles; build them anew if ``is_fresh``."""
+    @property
+    def wall_speed(self) -> float:
+        """The greatest speed of an obstacle that moves, m/s."""
+
+    def update(self, particles: Particles, time: float, is_fresh: bool) -> None:
+        """Bring the lists up to the particles at a time, s; build them anew if ``is_fresh``."""
 
 
 class OneList:
@@ -44,13 +48,14 @@ class OneList:
 
     near: Near
     solid: Solid
+    wall_speed = 0.0
 
     def __init__(self, case: ResolvedCase, lattice: Reference, domain: Domain) -> None:
         self._case, self._lattice, self._period = case, lattice, domain.period
         self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
         self._has_walls = False
 
-    def update(self, particles: Particles, is_fresh: bool) -> None:
+    def update(self, particles: Particles, time: float, is_fresh: bool) -> None:
         """See :class:`Vicinity`."""
         p, rows = particles, particles.unknown_count
         if not self._has_walls:
@@ -111,8 +116,13 @@ class ListAndSurfaces:
         self._shares_drag = shares_drag
         self._lattice, self._period = lattice, domain.period
         self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
-        self._surfaces = surfaces_of(case, GREATEST_SKIN, ground)
+        self._surfaces, self._moving = surfaces_of(case, GREATEST_SKIN, ground)
         self._skin = SKIN
+
+    @property
+    def wall_speed(self) -> float:
+        """See :class:`Vicinity`."""
+        return self._moving.speed
 
     def choose_skin(self, path: float) -> None:
         """Weigh building lists often against passing over many neighbors out of reach.
@@ -128,12 +138,17 @@ class ListAndSurfaces:
         """
         self._skin = min(max(1.4 * np.sqrt(path), LEAST_SKIN), GREATEST_SKIN)
 
-    def update(self, particles: Particles, is_fresh: bool) -> None:
+    def update(self, particles: Particles, time: float, is_fresh: bool) -> None:
         """See :class:`Vicinity`."""
         p, position = particles, particles.position[particles.moving]
-        if is_fresh or self._lists.is_stale(position, p.moving.stop):
+        self._moving.place(time)
+        is_stale = is_fresh or self._moving.path > 0.5 * self._lists.skin
+        if is_stale or self._lists.is_stale(position, p.moving.stop):
             self._lists.set_skin(self._skin)
             self._lists.build(position, p.moving.stop)
+            self._moving.remember()
+            if self._moving.moves_elements:
+                self._surfaces.sort_elements()
             self._surfaces.build(position, self._lists.skin)
             self._surfaces.cut(position, self._lists)
         self.solid = self._surfaces.survey(position)

@@ -236,7 +236,14 @@ def _obstacles(case: ResolvedCase) -> list[Body]:
         for axis in np.flatnonzero(period):
             shifts += [sign * period[axis] * np.eye(3)[axis] for sign in (-1.0, 1.0)]
         bodies += [
-            Body(obstacle.x, obstacle.y, obstacle.z, number, origin=tuple(shift.tolist()))
+            Body(
+                obstacle.x,
+                obstacle.y,
+                obstacle.z or ALL,
+                number,
+                origin=tuple(shift.tolist()),
+                up=case.dimension - 1,
+            )
             for shift in shifts
         ]
     return bodies

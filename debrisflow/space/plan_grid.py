@@ -181,12 +181,12 @@ def _obstacle_height(case: ResolvedCase, x: Floats, y: Floats) -> Floats:
     d0 = case.particles.spacing
     height = np.zeros_like(x)
     boxes = [part for part in case.obstacle if isinstance(part, BoxObstacle)]
-    for box in sorted(boxes, key=lambda box: box.z[0]):
-        inside = np.ones(x.size, dtype=bool)
-        for value, (start, end) in ((x, box.x), (y, box.y)):
+    for box in sorted(boxes, key=lambda box: box.extents[-1][0]):
+        inside, (foot, top) = np.ones(x.size, dtype=bool), box.extents[-1]
+        for value, (start, end) in zip((x, y), box.extents[:-1], strict=False):
             # walls are cut on the lattice, see walls; the centers may lie on its lines
             line = value / d0 + 1e-6
             inside &= (line >= round(start / d0)) & (line < round(end / d0))
-        stands = inside & (height >= box.z[0] - 0.5 * d0)
-        height[stands] = np.maximum(height[stands], round(box.z[1] / d0) * d0)
+        stands = inside & (height >= foot - 0.5 * d0)
+        height[stands] = np.maximum(height[stands], round(top / d0) * d0)
     return height

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.bodies import BoxObstacle
+from debrisflow.case.bodies import MeshObstacle, PolygonObstacle
+from debrisflow.case.motion import Motion
 from debrisflow.case.regions import runout_rise, surface_of
 from debrisflow.case.shapes import ChannelShape, Tank, Tank3D, is_three_dimensional, plain_of
+from debrisflow.case.tables import AnyObstacle
+from debrisflow.space.domain import WALL_NAMES
 from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import floor_level
+from debrisflow.space.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 BOX_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -158,16 +162,35 @@ def head_walls(case: ResolvedCase) -> list[tuple[float, float, float]]:
     return [(plain.start, start, end) for start, end in ends if end > start]
 
 
-def obstacle_faces(case: ResolvedCase) -> list[Floats]:
-    """Return the faces of each obstacle, (n, 4, 3) of a box and (n, 3, 3) of a mesh, m."""
-    faces = []
-    for part in case.obstacle:
-        if isinstance(part, BoxObstacle):
-            corner = np.array([(x, y, z) for x in part.x for y in part.y for z in part.z])
-            faces.append(corner[BOX_FACES])
-        else:
-            faces.append(surface_of(part).corners)
+def obstacle_faces(case: ResolvedCase, time: float = 0.0) -> list[Floats]:
+    """Return the faces of each obstacle at a time, s, as arrays of corners, m.
+
+    They are (n, 4, 3) of a box and (n, 3, 3) of a mesh; in two dimensions (1, n, 3), a polygon.
+    """
+    faces, ways = [], trajectories(case)
+    for number, part in enumerate(case.obstacle, start=len(WALL_NAMES)):
+        at_start = _faces_at_start(part)
+        moved = ways[number].pose(max(time, 0.0)).moved(at_start) if number in ways else at_start
+        faces.append(moved)
     return faces
+
+
+def _faces_at_start(part: AnyObstacle) -> Floats:
+    if isinstance(part, MeshObstacle):
+        return surface_of(part).corners
+    if isinstance(part, PolygonObstacle):
+        return np.pad(np.array([part.corners]), ((0, 0), (0, 0), (0, 1)))
+    corner = np.array(list(product(*part.extents)))
+    return corner[BOX_FACES] if part.z else np.pad(corner[[[0, 1, 3, 2]]], ((0, 0), (0, 0), (0, 1)))
+
+
+def trajectories(case: ResolvedCase) -> dict[int, Trajectory]:
+    """Return the ways of the obstacles that move, by the numbers of their walls."""
+    return {
+        number: Trajectory(part.motion, _faces_at_start(part).reshape(-1, 3), case)
+        for number, part in enumerate(case.obstacle, start=len(WALL_NAMES))
+        if isinstance(part.motion, Motion)
+    }
 
 
 def _rise(case: ResolvedCase, x: float) -> float:

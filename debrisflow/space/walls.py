@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import shapes
-from debrisflow.case.bodies import MeshObstacle
+from debrisflow.case.bodies import BoxObstacle, MeshObstacle
 from debrisflow.case.regions import MESH_SLACK, surface_of
 from debrisflow.case.resolved import (
     ResolvedCase,
@@ -265,6 +265,7 @@ def _tank_cells(shape: shapes.Tank, case: ResolvedCase) -> tuple[tuple[int, ...]
     name[x >= width] = RIGHT
     name[:, y < 0] = FLOOR
     name[:, y >= height] = CEILING
+    _draw_obstacles(name, (x, y), case)
     return (x[0], y[0]), name
 
 
@@ -285,24 +286,27 @@ def _tank3d_cells(shape: shapes.Tank3D, case: ResolvedCase) -> tuple[tuple[int, 
     return (x[0], y[0], z[0]), name
 
 
-def _draw_obstacles(name: Cells, axes: tuple[Cells, Cells, Cells], case: ResolvedCase) -> None:
-    """Write the numbers of obstacles into the cells that they cover."""
+def _draw_obstacles(name: Cells, axes: tuple[Cells, ...], case: ResolvedCase) -> None:
+    """Write the numbers of boxes and meshes into the cells that they cover."""
     d0, start = case.particles.spacing, np.array([axis[0] for axis in axes])
     for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
         if isinstance(obstacle, MeshObstacle):
             cell = cells_inside(surface_of(obstacle), d0) - start
             name[tuple(cell[np.all((cell >= 0) & (cell < name.shape), axis=1)].T)] = number
+        if not isinstance(obstacle, BoxObstacle):
             continue
         inside = [
             (axis >= cells_along(extent[0], d0)) & (axis < cells_along(extent[1], d0))
-            for axis, extent in zip(axes, (obstacle.x, obstacle.y, obstacle.z), strict=True)
+            for axis, extent in zip(axes, obstacle.extents, strict=True)
         ]
         name[np.ix_(*inside)] = number
 
 
 def _channel_cells(shape: ResolvedChannel, case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:
     x, y = _axes_of_section(shape, case)
-    return (x[0], y[0]), _section_of_channel(shape, case, x, y)
+    name = _section_of_channel(shape, case, x, y)
+    _draw_obstacles(name, (x, y), case)
+    return (x[0], y[0]), name
 
 
 def _axes_of_section(shape: shapes.ChannelShape, case: ResolvedCase) -> tuple[Cells, Cells]:

@@ -38,6 +38,7 @@ from debrisflow.space.scene import (
     obstacle_faces,
     scene_of,
     section_lines,
+    trajectories,
 )
 
 Floats = NDArray[np.float64]
@@ -176,21 +177,19 @@ class SidePanels:
         if self.bend is not None:
             axes.axvline(self.bend, color=LINE, linewidth=0.7, linestyle=":")
         if not solid.any():
-            self._draw_surroundings(axes)
+            self._draw_surroundings(axes, frame.time)
 
-    def _draw_surroundings(self, axes: Axes) -> None:
+    def _draw_surroundings(self, axes: Axes, time: float) -> None:
+        up = self.case.dimension - 1
         x, level = straight_profile(self.case).T
         axes.plot(x, level, color=LINE, linewidth=0.9)
         axes.fill_between(x, level, self.window.bottom, color=SOLID, linewidth=0.0)
-        if self.case.dimension == 2:
-            for line in section_lines(self.case)[1:]:
-                axes.plot(*line.T, color=LINE, linewidth=0.9, scaley=False)
-            return
-        for x in closed_ends(self.case):
-            axes.plot([x, x], [0.0, self.window.top], color=LINE, linewidth=0.9)
+        ends = [np.array([(x, 0.0), (x, self.window.top)]) for x in closed_ends(self.case)]
+        for line in section_lines(self.case)[1:] if up == 1 else ends:
+            axes.plot(*line.T, color=LINE, linewidth=0.9, scaley=False)
         faces = []
-        for face in (face for body in obstacle_faces(self.case) for face in body):
-            x, level = face[:, 0], straightened(self.case, face[:, 0], face[:, 2])
+        for face in (face for body in obstacle_faces(self.case, time) for face in body):
+            x, level = face[:, 0], straightened(self.case, face[:, 0], face[:, up])
             faces.append(np.column_stack([x, level]))
         axes.add_collection(
             PolyCollection(faces, facecolors=SOLID, edgecolors=SOLID, linewidths=0.5, alpha=0.6)
@@ -248,7 +247,7 @@ class PlanPanels:
         tiles = Tiles(x, y, -z, scale.colors(frame), disks)
         _show(axes, self._view.picture(tiles), self.window)
         axes.set_ylabel("y (m)", fontsize=SMALL, labelpad=2)
-        self._draw_surroundings(axes)
+        self._draw_surroundings(axes, frame.time)
         if self.levels.size and frame.time > 0.0:  # what is there at the start is no deposit yet
             self._draw_contours(axes, self.deposit(frame))
 
@@ -279,10 +278,10 @@ class PlanPanels:
             else:
                 label.remove()
 
-    def _draw_surroundings(self, axes: Axes) -> None:
+    def _draw_surroundings(self, axes: Axes, time: float) -> None:
         for (x0, y0), (x1, y1) in plan_outlines(self.case):
             axes.plot([x0, x1], [y0, y1], color=LINE, linewidth=0.9)
-        faces = [face[:, :2] for body in obstacle_faces(self.case) for face in body]
+        faces = [face[:, :2] for body in obstacle_faces(self.case, time) for face in body]
         axes.add_collection(
             PolyCollection(faces, facecolors=SOLID, edgecolors=SOLID, linewidths=0.3)
         )
@@ -363,6 +362,8 @@ class PerspectivePanels:
             self.close()
             spacing = self.case.particles.spacing
             self._view = PerspectiveView(self.scene, self.camera, fine, spacing)
+        if trajectories(self.case):
+            self._view.show_obstacles(obstacle_faces(self.case, frame.time))
         position = wrapped(self.case, frame.position)
         image = self._view.picture(position, scale.colors(frame))
         half = float(np.tan(np.radians(0.5 * OPENING)))

@@ -234,12 +234,31 @@ class PerspectiveView:
             if opacity > 0.0:
                 self.plotter.add_mesh(surface, color=color, opacity=opacity, lighting=False)
             self.plotter.add_mesh(surface.extract_all_edges(), color=EDGE, line_width=2)
-        for faces in scene.obstacles:
+        self.show_obstacles(scene.obstacles)
+
+    def show_obstacles(self, obstacles: list[Floats]) -> None:
+        """Show the faces of obstacles, (n, 3 or 4, 3) arrays, m, instead of those shown before."""
+        for k, faces in enumerate(obstacles):
             surface = _surface(faces).clean()
-            self.plotter.add_mesh(surface, color=OBSTACLE, ambient=0.5, diffuse=0.6)
+            self.plotter.add_mesh(
+                surface,
+                name=f"obstacle {k}",
+                color=OBSTACLE,
+                ambient=0.5,
+                diffuse=0.6,
+                reset_camera=False,
+                render=False,
+            )
             edges = surface.extract_feature_edges(30.0)
             if edges.n_cells:
-                self.plotter.add_mesh(edges, color=EDGE, line_width=2)
+                self.plotter.add_mesh(
+                    edges,
+                    name=f"edges {k}",
+                    color=EDGE,
+                    line_width=2,
+                    reset_camera=False,
+                    render=False,
+                )
 
 
 def _surface(faces: Floats) -> pyvista.PolyData:

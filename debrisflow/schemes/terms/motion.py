@@ -42,10 +42,10 @@ class Motion(Term):
         self._case, self._domain, self._path, self._slip = case, domain, path, slip
 
     def limit(self, scene: Scene) -> float:
-        """Return the time in which the fastest particle moves by its greatest path, s."""
+        """Return the time in which the fastest particle or wall moves by its greatest path, s."""
         entering, _ = supply(self._case, scene.state.time)
         fastest, _ = self.survey(scene.particles)
-        speed = max(fastest, entering)
+        speed = max(fastest, entering, scene.wall_speed)
         return self._path * scene.near.spacing / speed if speed > 0.0 else inf
 
     def act(self, step: Step) -> None:

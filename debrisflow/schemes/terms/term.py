@@ -29,6 +29,8 @@ class Scene:
     solid : Solid or Boundary
     velocity : (moving particles, 3) float64 array, m/s
         Of the mixture: that of the particle's phase less its slip.
+    wall_speed : float, m/s
+        The greatest of an obstacle that moves.
     level : (moving particles,) float64 array
         Share of sediment at the level of a particle.
     gradient : (moving particles, 9) float32 array, 1/s
@@ -47,6 +49,7 @@ class Scene:
     near: Near
     solid: Solid | Boundary
     velocity: Floats
+    wall_speed: float = 0.0
     level: Floats = field(default_factory=lambda: np.zeros(0))
     gradient: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 9), np.float32))
     shear_rate: Floats = field(default_factory=lambda: np.zeros(0))
