@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
+from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
 from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.regions import (
     MESH_SLACK,
@@ -32,7 +32,12 @@ def obstacles_of_dimension(geometry: Geometry, obstacle: Obstacles) -> Problems:
             message = "only in three dimensions; in two y is up: leave z out"
             yield Problem(f"obstacle.{k}.z", message, body.z)
         elif isinstance(body, MeshObstacle) and not has_three:
-            message = f"only in three dimensions: geometry.type = '{geometry.type}3d'"
+            message = (
+                f"only in three dimensions: geometry.type = '{geometry.type}3d'; in two 'polygon'"
+            )
+            yield Problem(f"obstacle.{k}.type", message, body.type)
+        elif isinstance(body, PolygonObstacle) and has_three:
+            message = "only in two dimensions; in three there are meshes"
             yield Problem(f"obstacle.{k}.type", message, body.type)
 
 
@@ -42,7 +47,7 @@ def _of_dimension(geometry: Geometry, obstacle: Obstacles) -> dict[int, AnyObsta
     return {
         k: body
         for k, body in enumerate(obstacle)
-        if (len(body.extents) if isinstance(body, BoxObstacle) else 3) == axes
+        if (3 if isinstance(body, MeshObstacle) else len(body.extents)) == axes
     }
 
 

@@ -289,13 +289,18 @@ def grain_pull_at(i, velocity, near, solid):
 
 
 @kernel
-def velocity_of_face(i, f, solid):
-    """Return the velocity of the wall at face f of particle i, m/s; 0 where no wall moves."""
-    if solid.velocity is None:
+def _velocity_in(row, f, velocity):
+    # an argument, since Numba drops a branch for None by the types of arguments only
+    if velocity is None:
         return 0.0, 0.0, 0.0
     else:
-        row, velocity = solid.row[i], solid.velocity
         return velocity[row, f, 0], velocity[row, f, 1], velocity[row, f, 2]
+
+
+@kernel
+def velocity_of_face(i, f, solid):
+    """Return the velocity of the wall at face f of particle i, m/s; 0 where no wall moves."""
+    return _velocity_in(solid.row[i], f, solid.velocity)
 
 
 @kernel
@@ -309,11 +314,10 @@ def velocity_beside(u, v, w, i, f, solid):
 def flow_of_walls_at(i, solid):
     """Return the sum of ``u_wall . G`` over the faces of particle i, 1/s."""
     flow = 0.0
-    if solid.velocity is not None:
-        for f in range(face_count(i, solid)):
-            _, nx, ny, nz, _ = face_at(i, f, solid)
-            u, v, w = velocity_of_face(i, f, solid)
-            flow -= solid.push[solid.row[i], f] * (u * nx + v * ny + w * nz)
+    for f in range(face_count(i, solid)):
+        _, nx, ny, nz, _ = face_at(i, f, solid)
+        u, v, w = velocity_of_face(i, f, solid)
+        flow -= solid.push[solid.row[i], f] * (u * nx + v * ny + w * nz)
     return flow
 
 

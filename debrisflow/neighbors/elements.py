@@ -40,7 +40,9 @@ class Elements(NamedTuple):
     number : (e,) int64 array
         Of the wall that they belong to.
     is_face : (e,) bool array
-        False where an element lies in a wall of the space, so that nothing meets it.
+        False where an element lies in a wall of the space, so that nothing meets it; in two
+        dimensions false for the rows of :mod:`debrisflow.neighbors.rows` alone, and only these
+        count in the sums.
     """
 
     corners: Floats

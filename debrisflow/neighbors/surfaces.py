@@ -22,7 +22,8 @@ from debrisflow.neighbors.lists import FixedNeighbors, Neighbors
 from debrisflow.neighbors.near_boxes import cut_pairs, near_boxes
 from debrisflow.neighbors.octant import Octants, beyond_of
 from debrisflow.neighbors.pairs import BLOCK, repeats_of
-from debrisflow.neighbors.quadrant import Quadrants
+from debrisflow.neighbors.quadrant import HX, Quadrants
+from debrisflow.neighbors.rows import add_rows
 
 Floats = NDArray[np.float64]
 
@@ -38,12 +39,16 @@ def survey_elements_at(i, position, listed, count, elements, radius, spacing, bo
     total, reach = boundary.sums[row], radius * spacing
     own[:] = 0.0
     first[:] = 0.0
-    add_elements(x, y, z, listed, count, elements, radius, spacing, STRETCH, own)
+    if boundary.dimension < 3.0:
+        add_rows(x, y, listed, count, elements, radius, spacing, own)
+    else:
+        add_elements(x, y, z, listed, count, elements, radius, spacing, STRETCH, own)
     for f in range(2):
         distance, number, is_edge = face_of_elements(
             x, y, z, listed, count, elements, reach, f == 1, first, normal
         )
-        if f == 0 and number >= 0 and distance < -PULLED_BACK * spacing:
+        is_inside = f == 0 and number >= 0 and distance < -PULLED_BACK * spacing
+        if is_inside and boundary.dimension == 3.0:
             add_sphere(radius, own)
         if number >= 0:
             push = -(own[2] * normal[0] + own[3] * normal[1] + own[4] * normal[2]) / spacing
@@ -51,7 +56,7 @@ def survey_elements_at(i, position, listed, count, elements, radius, spacing, bo
         for k in range(3):
             first[k] = normal[k]
     for s in range(own.size):
-        total[s] += own[s] / spacing if 2 <= s <= 4 else own[s]
+        total[s] += own[s] / spacing if 2 <= s <= 4 or s >= HX else own[s]
 
 
 @allocating_kernel

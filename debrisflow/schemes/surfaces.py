@@ -19,6 +19,7 @@ from debrisflow.schemes.wall_particles import roughnesses, slips
 from debrisflow.space.bodies import Body, bodies_of
 from debrisflow.space.domain import domain
 from debrisflow.space.mesh_pieces import area_vectors, pieces_of
+from debrisflow.space.polygons import Sides, sides_of
 from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
@@ -35,7 +36,10 @@ def surfaces_of(
     """
     radius, bodies = case.particles.effective_radius, bodies_of(case)
     boxes = boxes_of(case, bodies)
-    elements = elements_from(*pieces_of(case, PULLED_BACK))
+    if case.dimension == 3:
+        elements = elements_from(*pieces_of(case, PULLED_BACK))
+    else:
+        elements = elements_of_sides(sides_of(case))
     moving = MovingWalls(case, bodies, boxes, elements)
     surfaces = Surfaces(
         boxes=boxes,
@@ -183,3 +187,19 @@ def elements_from(
         number=number[solid],
         is_face=is_face[solid],
     )
+
+
+def elements_of_sides(sides: Sides) -> Elements:
+    """Return the elements of polygons in two dimensions: faces, and rows, which are no faces.
+
+    A side is that of a triangle that rises out of the plane.
+    """
+    corners = np.zeros((len(sides.ends), 3, 3))
+    corners[:, :2, :2] = sides.ends
+    middle = corners[:, :2].mean(axis=1)
+    corners[:, 2] = middle + np.array([0.0, 0.0, 1.0])
+    along = sides.ends[:, 1] - sides.ends[:, 0]
+    length = np.hypot(*along.T)
+    normal = np.zeros((len(length), 3))
+    normal[:, 0], normal[:, 1] = along[:, 1] / length, -along[:, 0] / length
+    return Elements(corners, middle, middle, normal, length, sides.number, sides.is_face)
