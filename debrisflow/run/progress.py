@@ -1,4 +1,4 @@
-"""The progress bar of a run, and its clock without the time in which kernels are compiled."""
+"""The progress bar of a run, its wall time by phase, and its rates."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from debrisflow._jit import COMPILATIONS
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import State
 from debrisflow.run.bar import bar, pause
+from debrisflow.schemes.clock import Clock
 
+START_UP, WRITING, PROBES = "start-up", "writing", "probes"
+COMPILING, OTHER = "compiling", "other"
 BAR = "{percentage:3.0f}% |{bar:20}| {desc}"
 
 
@@ -25,6 +28,8 @@ class Progress:
     case : ResolvedCase
     state : State
         At the start of the run or of its continuation.
+    clock : Clock
+        Started with the run; phases of the step and of the run are added to it.
 
     Attributes
     ----------
@@ -34,12 +39,13 @@ class Progress:
         Steps of this run, without those before it was continued.
     """
 
-    def __init__(self, case: ResolvedCase, state: State) -> None:
+    def __init__(self, case: ResolvedCase, state: State, clock: Clock) -> None:
         self.particle_steps = self.steps = 0
+        self.clock = clock
         self._relaxation = case.time.relaxation
-        self._start, self._compiled = perf_counter(), COMPILATIONS.seconds
-        self._drawn = self._start
-        self._seen = self._compiled
+        self._drawn = perf_counter()
+        self._seen = COMPILATIONS.seconds
+        self._compiled = self._seen - clock.compile_seconds
         self._bar = bar(
             total=case.time.end + self._relaxation,
             initial=state.time + self._relaxation,
@@ -47,14 +53,18 @@ class Progress:
         )
 
     @property
-    def compile_seconds(self) -> float:
-        """Wall time in which kernels were compiled, s."""
-        return COMPILATIONS.seconds - self._compiled
-
-    @property
     def seconds(self) -> float:
-        """Wall time without that in which kernels were compiled, s."""
-        return perf_counter() - self._start - self.compile_seconds
+        """Wall time since start-up, without that in which kernels were compiled, s."""
+        return max(self.clock.seconds - self.clock.get(START_UP, 0.0), 1e-9)
+
+    def phases(self) -> dict[str, float]:
+        """Return the wall time by phase until now, s, in the order of the first times.
+
+        With what was spent compiling kernels and in no phase they add up to the whole.
+        """
+        seconds, compiling = self.clock.seconds, self.clock.compile_seconds
+        other = seconds - sum(self.clock.values())
+        return dict(self.clock) | {COMPILING: compiling, OTHER: other}
 
     def count(self, state: State) -> None:
         """Count the step that led to a state, and show the state."""
