@@ -8,15 +8,16 @@ from math import ceil
 import numpy as np
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
+from debrisflow.case.defaults import LEAST_SOUND_RATIO
 from debrisflow.case.doubts import doubts
 from debrisflow.case.estimate import particle_estimate, size
 from debrisflow.case.resolved import ResolvedExplicitScheme
-from debrisflow.case.speeds import fall_speed, given_speed
+from debrisflow.case.speeds import fall_speed
 from debrisflow.case.tables import EXPLICIT_RADIUS
 from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
+from debrisflow.run.work import speeds, step_at
 
 # One fluid particle in a compressed particle file.  Wall particles take less: 37 bytes a particle
 # were measured with random fields where three particles in five were fluid.
@@ -136,16 +137,15 @@ def forecast(case: ResolvedCase) -> Forecast:
     The number of steps is an upper estimate, because friction and walls keep the flow slower than
     a free fall.
     """
-    given = given_speed(case.fill, case.inflow, case.geometry, case.walls)
+    given, speed = speeds(case)
     space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
-    speed = given + fall_speed(*space, to_floor=True)
-    smallest = _step(case, speed)
+    smallest = step_at(case, speed)
     counts = _counts(case)
     frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
     return Forecast(
         counts=counts,
         lattice=reference(case.dimension, case.particles.effective_radius, case.particles.spacing),
-        first_step=_step(case, given),
+        first_step=step_at(case, given),
         smallest_step=smallest,
         largest_speed=speed,
         steps=ceil((case.time.end + case.time.relaxation) / smallest),
@@ -180,11 +180,3 @@ def _counts(case: ResolvedCase) -> dict[str, int]:
     numbers = np.bincount(seed(case).kind, minlength=len(Kind))
     names = {kind: kind.name.lower() for kind in Kind} | {Kind.DUMMY: "dummy wall"}
     return {names[kind]: int(numbers[kind]) for kind in Kind if numbers[kind]}
-
-
-def _step(case: ResolvedCase, speed: float) -> float:
-    """Return the time step that the case allows at a speed, s."""
-    scheme = case.scheme
-    share = LARGEST_PATH if isinstance(scheme, ResolvedExplicitScheme) else scheme.courant
-    path = share * case.particles.spacing
-    return min(case.time.largest_step, path / speed if speed > 0 else float("inf"))

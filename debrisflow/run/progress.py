@@ -10,6 +10,7 @@ from debrisflow._jit import COMPILATIONS
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import State
 from debrisflow.run.bar import bar, pause
+from debrisflow.run.work import TimeLeft
 from debrisflow.schemes.clock import Clock
 
 START_UP, WRITING, PROBES = "start-up", "writing", "probes"
@@ -43,6 +44,7 @@ class Progress:
         self.particle_steps = self.steps = 0
         self.clock = clock
         self._relaxation = case.time.relaxation
+        self._left = TimeLeft(case, state.particles.fluid_count)
         self._drawn = perf_counter()
         self._seen = COMPILATIONS.seconds
         self._compiled = self._seen - clock.compile_seconds
@@ -68,16 +70,18 @@ class Progress:
 
     def count(self, state: State) -> None:
         """Count the step that led to a state, and show the state."""
+        number, was_compiling = state.particles.fluid_count, COMPILATIONS.seconds > self._seen
+        self._seen = COMPILATIONS.seconds
         self.steps += 1
-        self.particle_steps += state.particles.fluid_count
-        if COMPILATIONS.seconds > self._seen:
-            self._seen = COMPILATIONS.seconds
-            self._bar.unpause()  # or the time left would be that of more compiling
-        self._bar.bar_format = BAR + ", {remaining} left"
+        self.particle_steps += number
+        written = self.clock.get(WRITING, 0.0)
+        elapsed = self.seconds - written
+        self._left.count(state.time, state.dt, number, elapsed, written, was_compiling)
+        left = self._left.seconds
         self._bar.set_description_str(
-            f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, "
-            f"{state.particles.fluid_count} particles, "
-            f"{self.particle_steps / self.seconds:.2g} particle-steps/s",
+            f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, {number} particles, "
+            f"{self.particle_steps / self.seconds:.2g} particle-steps/s"
+            + ("" if left is None else f", {self._bar.format_interval(left)} left"),
             refresh=False,
         )
         self._bar.update(state.time + self._relaxation - self._bar.n)
@@ -86,7 +90,6 @@ class Progress:
         now = perf_counter()
         if now - self._drawn >= pause():
             self._drawn = now
-            self._bar.bar_format = BAR
             self._bar.set_description_str(
                 f"compiling kernels, once, about a minute: {seconds - self._compiled:.0f} s so far"
             )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from math import sqrt
 from time import perf_counter
 
 import pytest
@@ -11,6 +13,7 @@ from debrisflow._jit import COMPILATIONS
 from debrisflow.particles.state import initial_state
 from debrisflow.run import progress
 from debrisflow.run.progress import COMPILING, OTHER, START_UP, WRITING, Progress
+from debrisflow.run.work import speeds, step_at
 from debrisflow.schemes import clock
 from debrisflow.schemes.clock import Clock
 from tests.building import tank_case
@@ -58,19 +61,24 @@ def test_compiling_is_told_and_counted_apart(time, state, capsys):
     assert COMPILATIONS.watcher is None
 
 
-def test_the_time_left_is_that_of_steps_alone(time, state):
+def test_the_time_left_is_that_of_steps_alone(time, state, monkeypatch, capsys):
+    monkeypatch.setattr("debrisflow.run.bar.PAUSE_IN_FILE", 0.0)
     case = tank_case(4, 4, "water")
+    slow, fast = (step_at(case, speed) for speed in speeds(case))
+    state.dt = sqrt(slow * fast)  # as foretold
     with Progress(case, state, Clock()) as shown:
-        bar = shown._bar
-        bar._time = lambda: time.now
-        bar.start_t = bar.last_print_t = time.now
         time.compile_for(60.0)
-        time.now += 0.5
-        shown.count(state)
-        time.now += 1.0
-        state.time = 0.1
-        shown.count(state)
-        assert bar.format_dict["elapsed"] == pytest.approx(1.0)
+        time.now += 5.0  # kernels are read
+        for k in range(100):
+            time.compile_for(30.0 if k == 50 else 0.0)
+            time.now += 0.01
+            state.time += state.dt
+            shown.count(state)
+        steps = (case.time.end - state.time) / state.dt
+    told = capsys.readouterr().err.splitlines()
+    assert "left" not in told[1]
+    minutes, seconds = map(int, re.search(r"(\d+):(\d+) left", told[-1]).groups())
+    assert 60 * minutes + seconds == pytest.approx(0.01 * steps, rel=0.05, abs=1.0)
 
 
 def test_a_phase_is_without_its_compiling(time):
