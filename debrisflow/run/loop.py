@@ -20,6 +20,7 @@ from debrisflow.run import checkpoint
 from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder, read_summary
 from debrisflow.run.history import history_row
 from debrisflow.run.measures import deposit_profile, flow
+from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
@@ -102,6 +103,12 @@ def resume(folder: Path, threads: int | None = None) -> dict[str, Any] | None:
         return run.finish()
 
 
+def use_threads(state: State, given: int | None) -> int:
+    """Use the number of threads given, or as many as the particles keep busy, and return it."""
+    useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
+    return set_threads(given or min(cores(), useful))
+
+
 class _Run:
     """One run: its case, folder, state, scheme, probes and schedules."""
 
@@ -143,8 +150,7 @@ class _Run:
 
         Results do not depend on it.
         """
-        useful = max(1, self.state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
-        used = set_threads(self._given_threads or min(cores(), useful))
+        used = use_threads(self.state, self._given_threads)
         if used > self.threads:
             LOG.info("%d threads at t = %g s", used, self.state.time)
         self.threads = max(self.threads, used)
@@ -302,6 +308,9 @@ class _Run:
         with self.clock.of(WRITING):
             self.results.write_maxima(state)
         figures = summary(self.case, state, reason, self.threads, self.progress)
+        done = self.progress
+        pace = Pace(done.particle_steps, done.steps, done.seconds, self.threads)
+        remember(self.case, pace)
         self.results.write_summary(figures)
         LOG.info(
             "%s: t = %g s after %d steps, %.1f s",
