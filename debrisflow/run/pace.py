@@ -65,7 +65,8 @@ def remember(case: ResolvedCase, pace: Pace) -> None:
     if pace.seconds < SHORTEST or pace.steps < 1:
         return
     with suppress(OutputError, OSError, RuntimeError), replaced(_file()) as unfinished:
-        kept = _kept() | {_kind(case): pace._replace(source="")._asdict()}
+        numbers = {name: value for name, value in pace._asdict().items() if name != "source"}
+        kept = _kept() | {_kind(case): numbers}
         unfinished.write_text(json.dumps(kept, indent=2) + "\n", encoding="utf-8")
 
 
