@@ -15,9 +15,10 @@ from debrisflow.particles.supply import supply
 from debrisflow.space.fills import inflow_section
 
 # A step costs as much as that of so many more particles, whatever their number: 0.2 ms in two
-# dimensions and 0.1 ms in three were measured, where a particle took 1 and 0.7 us.
+# dimensions and 0.1 ms in three were measured, where a particle took 1.5 and 0.7 us.
 COST_OF_A_STEP = 150
 SETTLED = 3  # steps after which all kernels have been read from the cache
+LEAST = 1.0  # s of wall time; the steps of less tell too little
 SHARE_KEPT = 0.1  # of the simulated time, over which steps and growth are averaged
 SHARE_FORETOLD = 0.05  # of the simulated time, for which the forecast stands at the start
 SECONDS_KEPT = 300.0  # of wall time, over which the speed of computing is averaged
@@ -126,7 +127,7 @@ class TimeLeft:
     @property
     def seconds(self) -> float | None:
         """The wall time left, s; None before enough steps were counted."""
-        if self._seconds == 0.0:
+        if self._seconds < LEAST:
             return None
         left = max(self._end - self._time, 0.0)
         work = self._mean_number(left) + COST_OF_A_STEP

