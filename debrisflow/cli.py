@@ -125,14 +125,25 @@ def main() -> None:
 @main.command()
 @_case
 @_overrides
-def check(case: Path, overrides: tuple[str, ...]) -> None:
+@click.option(
+    "--measure",
+    is_flag=True,
+    help="Measure the wall time by two seconds of steps, after kernels are compiled.",
+)
+def check(case: Path, overrides: tuple[str, ...], measure: bool) -> None:
     """Validate CASE and print a forecast of its run."""
     from debrisflow.case import load_case
     from debrisflow.run.forecast import forecast
+    from debrisflow.run.pace import last_pace
 
     checked = load_case(case, overrides)
     click.echo(f"{case}: {checked.title}")
-    click.echo(forecast(checked))
+    pace = last_pace(checked)
+    if measure:
+        from debrisflow.run.trial import measured_pace
+
+        pace = measured_pace(checked)
+    click.echo(forecast(checked, pace))
 
 
 @main.command()

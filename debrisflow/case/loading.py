@@ -7,7 +7,7 @@ import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import tomli_w
@@ -50,22 +50,100 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> ResolvedCase:
         With every problem of the file, one a line.
     """
     path = Path(path)
-    data = _read(path)
+    return _checked(_read(path), overrides, path.parent, f"{path}")
+
+
+def build_case(
+    tables: Mapping[str, Any], overrides: Sequence[str] = (), folder: Path | str = "."
+) -> ResolvedCase:
+    """Return a case that is given as nested dicts, checked and resolved as a case file is.
+
+    Parameters
+    ----------
+    tables : mapping
+        What a case file would hold: numbers, text, lists and dicts by the names of its keys;
+        ``fill``, ``obstacle`` and ``probe`` are lists of dicts.  Tuples and arrays stand for lists,
+        and what is None is left out.  It is not changed.
+    overrides : sequence of str
+        Changes to it, each ``a.b.c=VALUE``.
+    folder : Path or str
+        Where meshes and hydrographs are looked up.
+
+    Raises
+    ------
+    CaseError
+        With every problem of the tables, one a line, in the words that a file would get.
+
+    Examples
+    --------
+    >>> water = {"type": "block", "x": (0, 0.2), "y": (0, 0.1), "material": "water"}
+    >>> case = build_case({
+    ...     "title": "a column of water",
+    ...     "particles": {"spacing": 0.01},
+    ...     "geometry": {"type": "tank", "width": 0.4, "height": 0.3},
+    ...     "fill": [water],
+    ...     "time": {"end": 1.0},
+    ...     "output": {"interval": 0.1},
+    ... }, ["time.end=0.5"])
+    >>> case.time.end, case.fill[0].x
+    (0.5, (0.0, 0.2))
+    """
+    if not isinstance(tables, Mapping):
+        kind = type(tables).__name__
+        raise CaseError(
+            f"a case is built of a dict of tables, not of {kind}; load_case reads files"
+        )
+    return _checked(_as_read(tables), overrides, Path(folder), "the case")
+
+
+def _checked(
+    data: dict[str, Any], overrides: Sequence[str], folder: Path, name: str
+) -> ResolvedCase:
+    """Return the case of data as read from TOML, which are changed in place.
+
+    Parameters
+    ----------
+    data : dict
+    overrides : sequence of str
+    folder : Path
+        Where the files that it names are looked up.
+    name : str
+        Of the case, at the head of a list of errors.
+    """
     problems = apply_overrides(data, overrides)
-    unread = find_meshes(data, path.parent)
-    if supply := inline_hydrograph(data, path.parent):
+    unread = find_meshes(data, folder)
+    if supply := inline_hydrograph(data, folder):
         unread["inflow"] = supply
-    if moves := inline_motions(data, path.parent):
+    if moves := inline_motions(data, folder):
         unread.setdefault("obstacle", []).extend(moves)
     tables, wrong = _build(data)
-    for name, reasons in unread.items():
-        tables.pop(name, None)
+    for table, reasons in unread.items():
+        tables.pop(table, None)
         problems += reasons
     problems += wrong + cross_check(tables)
     if problems:
         count = f"{len(problems)} error" + ("s" if len(problems) > 1 else "")
-        raise CaseError("\n".join([f"{path}: {count}", *(f"  {problem}" for problem in problems)]))
+        raise CaseError("\n".join([f"{name}: {count}", *(f"  {problem}" for problem in problems)]))
     return complete(Case.model_validate(data))
+
+
+def _as_read(value: Any) -> Any:
+    """Return a copy of a value as a TOML file would give it.
+
+    Examples
+    --------
+    >>> _as_read({"x": (0, 1), "file": Path("hill.stl"), "z": None})
+    {'x': [0, 1], 'file': 'hill.stl'}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): _as_read(part) for key, part in value.items() if part is not None}
+    if isinstance(value, list | tuple):
+        return [_as_read(part) for part in value]
+    if isinstance(value, PurePath):
+        return str(value)
+    if hasattr(value, "tolist"):  # arrays and numbers of NumPy, columns of pandas
+        return value.tolist()
+    return value
 
 
 def dump_case(case: Case) -> str:

@@ -23,8 +23,9 @@ Floats = NDArray[np.float64]
 class Frame:
     """The particles of one file; walls only in the form study of two dimensions.
 
-    Each array of the file is an attribute under its name in
-    :data:`debrisflow.particles.arrays.ARRAYS`: ``frame.velocity`` is ``frame.arrays["velocity"]``.
+    Each array of the file is an attribute under its name in the file, those of
+    :data:`debrisflow.particles.arrays.ARRAYS` among them: ``frame.velocity`` is
+    ``frame.arrays["velocity"]``.
 
     Attributes
     ----------
@@ -87,7 +88,9 @@ def read_frame(time: float, file: Path) -> Frame:
             # pyvista also warns about the errors that the catcher raises
             warnings.simplefilter("ignore")
             mesh = pyvista.read(file)
-        arrays = {a.name: np.asarray(mesh.point_data[a.name]) for a in ARRAYS}
+        needed = [array.name for array in ARRAYS]
+        others = [name for name in mesh.point_data if name not in needed]
+        arrays = {name: np.asarray(mesh.point_data[name]) for name in (*needed, *others)}
         return Frame(time, np.asarray(mesh.points), arrays)
     except (RuntimeError, KeyError, ValueError) as error:
         raise OutputError(f"{file} is damaged: VTK cannot read its arrays") from error

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, load_case
 from debrisflow.errors import OutputError
+from debrisflow.results.data_table import DataTable
 from debrisflow.results.frames import Frame, read_frame
+from debrisflow.run import deposit, history, maxima
 from debrisflow.run.folder import (
     CASE,
     DEPOSIT,
@@ -23,9 +25,8 @@ from debrisflow.run.folder import (
     PROBES,
     read_summary,
 )
-from debrisflow.run.history import COLUMNS as HISTORY_COLUMNS
-from debrisflow.run.maxima import COLUMNS as MAXIMA_COLUMNS
-from debrisflow.run.tables import Table, read_table, rows_where
+from debrisflow.run.probes import columns_of
+from debrisflow.run.tables import read_table, rows_where
 from debrisflow.run.vtu import read_collection
 from debrisflow.space.plan_grid import plan
 
@@ -116,31 +117,44 @@ class Run:
             yield read_frame(time, file)
 
     @cached_property
-    def history(self) -> Table:
+    def history(self) -> DataTable:
         """Return ``history.csv``: a float64 array by column name, rows from t = 0 on."""
-        table = read_table(self.folder / HISTORY, needed=HISTORY_COLUMNS)
-        return rows_where(table, table["time"] >= 0.0)
+        table = read_table(self.folder / HISTORY, needed=history.COLUMNS)
+        rows = rows_where(table, table["time"] >= 0.0)
+        return DataTable(rows, history.units(self.case.dimension))
 
     @cached_property
-    def deposit(self) -> Table:
+    def deposit(self) -> DataTable:
         """Return ``deposit.csv``: a float64 array by column name."""
-        return read_table(self.folder / DEPOSIT)
+        return DataTable(read_table(self.folder / DEPOSIT), deposit.UNITS)
 
     @cached_property
-    def maxima(self) -> Table:
+    def maxima(self) -> DataTable:
         """Return ``maxima.csv``: a float64 array by column name, a row a cell."""
         file = self.folder / MAXIMA
-        table = read_table(file, needed=MAXIMA_COLUMNS)
+        table = read_table(file, needed=maxima.COLUMNS)
         cells = plan(self.case).x.size
         if table["x"].size != cells:
             raise OutputError(
                 f"{file} is damaged: it has {table['x'].size} rows for {cells} cells of the plan"
             )
-        return table
+        return DataTable(table, maxima.UNITS)
 
-    def probe(self, name: str) -> Table:
-        """Return the samples of a probe: a float64 array by column name."""
-        return read_table(self.folder / PROBES / f"{name}.csv")
+    def probe(self, name: str) -> DataTable:
+        """Return the samples of a probe: a float64 array by column name.
+
+        Raises
+        ------
+        OutputError
+            If the case has no probe of that name, or its file is missing or damaged.
+        """
+        probes = {probe.name: probe for probe in self.case.probe}
+        if name not in probes:
+            there = f"but {', '.join(probes)}" if probes else "since its case has none"
+            raise OutputError(f"{self.folder} has no probe '{name}', {there}")
+        table = read_table(self.folder / PROBES / f"{name}.csv")
+        columns = columns_of(probes[name], self.case.dimension)
+        return DataTable(table, {"time": "s"} | {c.name: c.full_unit for c in columns})
 
     @cached_property
     def summary(self) -> dict[str, Any]:

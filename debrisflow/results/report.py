@@ -27,7 +27,7 @@ FILE = "report.html"
 RUNNING = "still running, or interrupted"
 LARGEST_PICTURE = 8 * 2**20  # bytes, of one that a page still carries
 TIMING = (
-    ("wall_seconds", "wall time", "{:.0f} s"),
+    ("wall_seconds", "wall time, without compiling", "{:.0f} s"),
     ("compile_seconds", "compiling kernels, once", "{:.0f} s"),
     ("steps", "steps", "{}"),
     ("seconds_per_step", "seconds a step", "{:.3g}"),
@@ -136,9 +136,10 @@ def _table_of(key: str) -> str:
 
 def _timing(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     known = [(name, form.format(summary[key])) for key, name, form in TIMING if key in summary]
-    seconds, phases = summary.get("wall_seconds"), summary.get("wall_seconds_by_phase", {})
-    parts = phases.items() if seconds else ()
-    return known + [(f"of which {name}", f"{100 * part / seconds:.0f} %") for name, part in parts]
+    phases = summary.get("wall_seconds_by_phase", {})
+    whole = sum(phases.values())
+    parts = phases.items() if whole else ()
+    return known + [(f"of which {name}", f"{100 * part / whole:.0f} %") for name, part in parts]
 
 
 def _pictures(folder: Path) -> list[Picture]:

@@ -9,6 +9,7 @@ from debrisflow.run.tables import Series
 from debrisflow.space.plan_grid import FLOOR_WORDS, PLACE, PLACE_WORDS
 
 COLUMNS = ("deposit_height", "flow_height", "concentration")
+UNITS = {"time": "s", "x": "m", "y": "m", "deposit_height": "m", "flow_height": "m"}
 HEAD = (
     "time: s",
     "{place}",

@@ -8,15 +8,18 @@ from math import ceil
 import numpy as np
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
+from debrisflow.case.defaults import LEAST_SOUND_RATIO
 from debrisflow.case.doubts import doubts
 from debrisflow.case.estimate import particle_estimate, size
 from debrisflow.case.resolved import ResolvedExplicitScheme
-from debrisflow.case.speeds import fall_speed, given_speed
+from debrisflow.case.speeds import fall_speed
 from debrisflow.case.tables import EXPLICIT_RADIUS
 from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
+from debrisflow.particles.state import PHASES
+from debrisflow.run.pace import Pace
+from debrisflow.run.work import mean_number, speeds, step_at
 
 # One fluid particle in a compressed particle file.  Wall particles take less: 37 bytes a particle
 # were measured with random fields where three particles in five were fluid.
@@ -70,8 +73,12 @@ class Forecast:
         Time step at the start, and at the largest speed.
     largest_speed : float, m/s
         That of a free fall through the height of fills and supply, added to the given speeds.
-    steps : int
-        Steps to the end if all are as short as the smallest.
+    fewest_steps, steps : int
+        Steps to the end if all are as long as the first, and as short as the smallest.
+    fluid : float
+        Mean number of fluid particles, with those that the supply brings.
+    pace : Pace or None
+        How fast this machine computes; None if that is not known.
     memory, disk : float, bytes
     frames : int
         Particle files.
@@ -88,13 +95,26 @@ class Forecast:
     first_step: float
     smallest_step: float
     largest_speed: float
+    fewest_steps: int
     steps: int
+    fluid: float
+    pace: Pace | None
     memory: float
     disk: float
     frames: int
     sound: Sound | None
     poor: dict[str, list[str]]
     doubts: list[str]
+
+    @property
+    def wall_time(self) -> tuple[float, float] | None:
+        """The least and the greatest wall time expected, s, without compiling kernels."""
+        if self.pace is None:
+            return None
+        least, most = (
+            self.pace.seconds_for(self.fluid, n) for n in (self.fewest_steps, self.steps)
+        )
+        return least, most
 
     def __str__(self) -> str:
         """Return the figures as a few readable lines."""
@@ -119,36 +139,72 @@ class Forecast:
                 f"there the step is {self.smallest_step:.3g} s",
                 f"c/u            {sound}",
                 f"steps          about {self.steps:,} at that step",
+                f"wall time      {self._wall_time()}",
                 f"memory         {size(self.memory)}",
                 f"disk           {size(self.disk)} in {self.frames:,} particle files"
                 + self._warnings(),
             ]
         )
 
+    def _wall_time(self) -> str:
+        if self.wall_time is None:
+            return "unknown before the first run of this kind here; --measure takes a few steps"
+        least, most = map(duration, self.wall_time)
+        between = least if least == most else f"{least} to {most}"
+        return f"{between} at {self.pace}"
+
     def _warnings(self) -> str:
         probes = [f"{', '.join(names)}: {text}" for text, names in self.poor.items()]
         return "".join(f"\nwarning        {text}" for text in (*probes, *self.doubts))
 
 
-def forecast(case: ResolvedCase) -> Forecast:
+def duration(seconds: float) -> str:
+    """Return a time as people say it.
+
+    Examples
+    --------
+    >>> [duration(s) for s in (0.4, 49.0, 200.0, 9000.0, 1.0e6)]
+    ['1 s', '49 s', '3.3 min', '2.5 h', '12 days']
+    """
+    for unit, length, most in (("s", 1.0, 90.0), ("min", 60.0, 90.0), ("h", 3600.0, 48.0)):
+        number = seconds / length
+        if number < most:
+            return (
+                f"{number:.1f} {unit}"
+                if unit != "s" and number < 10
+                else f"{max(number, 1.0):.0f} {unit}"
+            )
+    return f"{seconds / 86400.0:.0f} days"
+
+
+def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
     """Return the figures of a checked case.
 
     The number of steps is an upper estimate, because friction and walls keep the flow slower than
     a free fall.
+
+    Parameters
+    ----------
+    case : ResolvedCase
+    pace : Pace, optional
+        How fast this machine computes.
     """
-    given = given_speed(case.fill, case.inflow, case.geometry, case.walls)
+    given, speed = speeds(case)
     space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
-    speed = given + fall_speed(*space, to_floor=True)
-    smallest = _step(case, speed)
+    first, smallest = step_at(case, given), step_at(case, speed)
+    whole = case.time.end + case.time.relaxation
     counts = _counts(case)
     frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
     return Forecast(
         counts=counts,
         lattice=reference(case.dimension, case.particles.effective_radius, case.particles.spacing),
-        first_step=_step(case, given),
+        first_step=first,
         smallest_step=smallest,
         largest_speed=speed,
-        steps=ceil((case.time.end + case.time.relaxation) / smallest),
+        fewest_steps=ceil(whole / first),
+        steps=ceil(whole / smallest),
+        fluid=mean_number(case, sum(counts.get(name, 0) for name in PHASES)),
+        pace=pace,
         memory=particle_estimate(case)["memory"],
         disk=float(frames * sum(counts.values()) * BYTES_ON_DISK),
         frames=frames,
@@ -180,11 +236,3 @@ def _counts(case: ResolvedCase) -> dict[str, int]:
     numbers = np.bincount(seed(case).kind, minlength=len(Kind))
     names = {kind: kind.name.lower() for kind in Kind} | {Kind.DUMMY: "dummy wall"}
     return {names[kind]: int(numbers[kind]) for kind in Kind if numbers[kind]}
-
-
-def _step(case: ResolvedCase, speed: float) -> float:
-    """Return the time step that the case allows at a speed, s."""
-    scheme = case.scheme
-    share = LARGEST_PATH if isinstance(scheme, ResolvedExplicitScheme) else scheme.courant
-    path = share * case.particles.spacing
-    return min(case.time.largest_step, path / speed if speed > 0 else float("inf"))

@@ -48,6 +48,26 @@ HEAD = (
 PER_WIDTH = {2: " per meter of width", 3: ""}
 
 
+def units(dimension: int) -> dict[str, str]:
+    """Return the units of the columns; empty for a number without one."""
+    per_width = PER_WIDTH[dimension]
+    by_beginning = {
+        "time": "s",
+        "dt": "s",
+        "mass": f"kg{per_width}",
+        "sediment_volume": f"m3{per_width}",
+        "front": "m",
+        "kinetic_energy": f"J{per_width}",
+        "potential_energy": f"J{per_width}",
+        "elastic_energy": f"J{per_width}",
+        "maximal_speed": "m/s",
+    }
+    found = dict.fromkeys(COLUMNS, "")
+    for beginning, unit in by_beginning.items():
+        found |= {name: unit for name in COLUMNS if name.startswith(beginning)}
+    return found
+
+
 def history_row(
     case: ResolvedCase, state: State, ppe_iterations: int, reference: Reference
 ) -> dict[str, float | int]:

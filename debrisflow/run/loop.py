@@ -20,12 +20,14 @@ from debrisflow.run import checkpoint
 from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder, read_summary
 from debrisflow.run.history import history_row
 from debrisflow.run.measures import deposit_profile, flow
+from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
-from debrisflow.run.progress import Progress
+from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
 from debrisflow.run.schedule import Schedule
 from debrisflow.run.summary import summary
 from debrisflow.schemes.choice import scheme_of
+from debrisflow.schemes.clock import Clock
 
 LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
@@ -58,11 +60,15 @@ def simulate(
     ------
     CaseError, OutputError, DivergedError
     """
-    state = initial_state(case)
-    probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
-    with RunFolder.create(Path(folder), case, overwrite) as results, Progress(case, state) as shown:
-        run = _Run(case, results, state, probes, shown, threads)
-        run.scheme.fill_number_density(state)
+    clock = Clock()
+    with clock.of(START_UP):
+        state = initial_state(case)
+        probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
+        results = RunFolder.create(Path(folder), case, overwrite)
+    with results, Progress(case, state, clock) as shown:
+        with clock.of(START_UP):
+            run = _Run(case, results, state, probes, shown, threads)
+            run.scheme.fill_number_density(state)
         run.write(iterations=0)
         run.sample(before=-math.inf)
         return run.finish()
@@ -79,17 +85,28 @@ def resume(folder: Path, threads: int | None = None) -> dict[str, Any] | None:
     has_ended = before.get("end_reason") == ENDED and before["time"] >= case.time.end
     if has_ended or before.get("end_reason") == EMPTY:
         return None
-    state = checkpoint.load(folder / CHECKPOINT)
-    if case.has_surfaces and state.particles.count > state.particles.moving.stop:
-        raise OutputError(
-            f"{folder / CHECKPOINT} was written by a version of debrisflow whose walls were "
-            "particles and cannot be continued; start the run again with: debrisflow run"
-        )
-    probes = samplers(case, state)
-    with RunFolder.open(folder, case) as results, Progress(case, state) as shown:
-        results.rewind(state.time)
-        LOG.info("resumed at t = %g s, step %d", state.time, state.step)
-        return _Run(case, results, state, probes, shown, threads).finish()
+    clock = Clock()
+    with clock.of(START_UP):
+        state = checkpoint.load(folder / CHECKPOINT)
+        if case.has_surfaces and state.particles.count > state.particles.moving.stop:
+            raise OutputError(
+                f"{folder / CHECKPOINT} was written by a version of debrisflow whose walls were "
+                "particles and cannot be continued; start the run again with: debrisflow run"
+            )
+        probes = samplers(case, state)
+        results = RunFolder.open(folder, case)
+    with results, Progress(case, state, clock) as shown:
+        with clock.of(START_UP):
+            results.rewind(state.time)
+            LOG.info("resumed at t = %g s, step %d", state.time, state.step)
+            run = _Run(case, results, state, probes, shown, threads)
+        return run.finish()
+
+
+def use_threads(state: State, given: int | None) -> int:
+    """Use the number of threads given, or as many as the particles keep busy, and return it."""
+    useful = max(1, state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
+    return set_threads(given or min(cores(), useful))
 
 
 class _Run:
@@ -106,7 +123,9 @@ class _Run:
     ) -> None:
         self.case, self.results, self.state = case, results, state
         self.probes, self.progress = probes, progress
+        self.clock = progress.clock
         self.scheme = scheme_of(case)
+        self.scheme.seconds = self.clock  # one clock for the steps and what is around them
         self._given_threads, self.threads = threads, 0
         self._set_threads()
         start, end, output = -case.time.relaxation, case.time.end, case.output
@@ -131,8 +150,7 @@ class _Run:
 
         Results do not depend on it.
         """
-        useful = max(1, self.state.particles.unknown_count // FEWEST_PARTICLES_A_THREAD)
-        used = set_threads(self._given_threads or min(cores(), useful))
+        used = use_threads(self.state, self._given_threads)
         if used > self.threads:
             LOG.info("%d threads at t = %g s", used, self.state.time)
         self.threads = max(self.threads, used)
@@ -143,7 +161,7 @@ class _Run:
             with self._polite_interrupt():
                 reason = self._loop()
         except DivergedError as error:
-            checkpoint.save(self.results.checkpoint_path, self.state)
+            self._save_checkpoint()
             self._conclude(str(error))
             message = f"{error}; the last good state is in {self.results.checkpoint_path}"
             raise DivergedError(message) from error
@@ -162,8 +180,9 @@ class _Run:
                 return INTERRUPTED
             before = state.time
             iterations = self._advance(self._next_due())
-            for probe in self.probes.values():
-                probe.add_step(state)
+            with self.clock.of(PROBES):
+                for probe in self.probes.values():
+                    probe.add_step(state)
             self.write(iterations)
             self.sample(before)
             self.progress.count(state)
@@ -178,9 +197,13 @@ class _Run:
         if self.state.step % self.scheme.REFRESH != 0:
             return False
         if self._checkpoint_is_due or self._asked_to_stop:
-            checkpoint.save(self.results.checkpoint_path, self.state)
+            self._save_checkpoint()
             self._checkpoint_is_due = False
         return self._asked_to_stop
+
+    def _save_checkpoint(self) -> None:
+        with self.clock.of(WRITING):
+            checkpoint.save(self.results.checkpoint_path, self.state)
 
     def _next_due(self) -> float:
         """Return the next time at which a step must end, s."""
@@ -216,40 +239,48 @@ class _Run:
 
     def write(self, iterations: int) -> None:
         """Write the outputs that are due at the time of the state."""
-        state, p = self.state, self.state.particles
-        n0 = self.scheme.lattice.number_density
-        if self.histories.is_due(state.time):
-            row = history_row(self.case, state, iterations, self.scheme.lattice)
-            self.results.write_history(row)
-            self._set_threads()
-            if state.time >= 0.0:
-                found = flow(self.case, p, n0)
-                state.maxima.include(state.time, *found, spacing=self.case.particles.spacing)
-        if self.deposits.is_due(state.time):
-            profile = deposit_profile(
-                self.case,
-                p.position,
-                p.velocity,
-                p.kind,
-                p.concentration,
-                p.sediment_fraction,
-                p.number_density,
-                n0,
-            )
-            self.results.write_deposit(state.time, profile)
-        if self.frames.is_due(state.time):
-            self.results.write_frame(state)
-            self._checkpoint_is_due = True
+        time = self.state.time
+        with self.clock.of(WRITING):
+            if self.histories.is_due(time):
+                self._write_history(iterations)
+            if self.deposits.is_due(time):
+                self._write_deposit()
+            if self.frames.is_due(time):
+                self.results.write_frame(self.state)
+                self._checkpoint_is_due = True
+
+    def _write_history(self, iterations: int) -> None:
+        state, lattice = self.state, self.scheme.lattice
+        self.results.write_history(history_row(self.case, state, iterations, lattice))
+        self._set_threads()
+        if state.time >= 0.0:
+            found = flow(self.case, state.particles, lattice.number_density)
+            state.maxima.include(state.time, *found, spacing=self.case.particles.spacing)
+
+    def _write_deposit(self) -> None:
+        p = self.state.particles
+        profile = deposit_profile(
+            self.case,
+            p.position,
+            p.velocity,
+            p.kind,
+            p.concentration,
+            p.sediment_fraction,
+            p.number_density,
+            self.scheme.lattice.number_density,
+        )
+        self.results.write_deposit(self.state.time, profile)
 
     def sample(self, before: float) -> None:
         """Write the samples of the probes that became due after a time, s.
 
         Steps are not shortened for probes, so that probes do not change the solution.
         """
-        for name, schedule in self.samples.items():
-            if schedule.passed_due(before, self.state.time):
-                row = self.probes[name].sample(self.state)
-                self.results.write_probe(name, self.state.time, row)
+        with self.clock.of(PROBES):
+            for name, schedule in self.samples.items():
+                if schedule.passed_due(before, self.state.time):
+                    row = self.probes[name].sample(self.state)
+                    self.results.write_probe(name, self.state.time, row)
 
     @contextmanager
     def _polite_interrupt(self) -> Iterator[None]:
@@ -274,10 +305,12 @@ class _Run:
         lost = int(state.through_wall.sum())
         if lost:
             LOG.warning("%d particles went through a wall", lost)
-        figures = summary(
-            self.case, state, reason, self.threads, self.progress, dict(self.scheme.seconds)
-        )
-        self.results.write_maxima(state)
+        with self.clock.of(WRITING):
+            self.results.write_maxima(state)
+        figures = summary(self.case, state, reason, self.threads, self.progress)
+        done = self.progress
+        pace = Pace(done.particle_steps, done.steps, done.seconds, self.threads)
+        remember(self.case, pace)
         self.results.write_summary(figures)
         LOG.info(
             "%s: t = %g s after %d steps, %.1f s",
@@ -286,4 +319,6 @@ class _Run:
             state.step,
             figures["wall_seconds"],
         )
+        phases = figures["wall_seconds_by_phase"].items()
+        LOG.info("wall time: %s", ", ".join(f"{name} {spent:.1f} s" for name, spent in phases))
         return figures

@@ -10,6 +10,15 @@ from debrisflow.run.tables import write_table
 from debrisflow.space.plan_grid import FLOOR_WORDS, PLACE, PLACE_WORDS, cell_level, plan
 
 COLUMNS = ("floor_level", "maximal_depth", "maximal_speed", "maximal_momentum_flux", "arrival_time")
+UNITS = {
+    "x": "m",
+    "y": "m",
+    "floor_level": "m",
+    "maximal_depth": "m",
+    "maximal_speed": "m/s",
+    "maximal_momentum_flux": "N/m",
+    "arrival_time": "s",
+}
 HEAD = (
     "greatest values from t = 0 until now, time = {time!r} s, in samples every {interval:g} s",
     "  (output.history_interval)",

@@ -8,6 +8,7 @@ from debrisflow._jit import COMPILATIONS
 from debrisflow.case import load_case
 from debrisflow.case.templates import templates
 from debrisflow.particles.state import initial_state
+from debrisflow.run.trial import take_step
 from debrisflow.schemes.choice import scheme_of
 
 STEPS = 2  # only the second step checks whether the neighbor lists are out of date
@@ -65,7 +66,5 @@ def compile_kernels(path: Path, changes: tuple[str, ...]) -> float:
     scheme, state = scheme_of(case), initial_state(case)
     scheme.fill_number_density(state)
     for _ in range(STEPS):
-        dt = scheme.stable_dt(state)
-        scheme.step(state, dt)
-        state.time, state.step = state.time + dt, state.step + 1
+        take_step(scheme, state)
     return COMPILATIONS.seconds - before

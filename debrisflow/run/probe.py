@@ -40,6 +40,12 @@ class Column(NamedTuple):
     reference: str = ""
 
     @property
+    def full_unit(self) -> str:
+        """The unit, per meter of width where it is."""
+        is_per = self.reference.startswith("per ")
+        return f"{self.unit} {self.reference}" if is_per else self.unit
+
+    @property
     def explanation(self) -> str:
         """The text in the head of the file."""
         unit = " ".join(filter(None, (self.unit, self.reference)))

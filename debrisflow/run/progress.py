@@ -1,4 +1,4 @@
-"""The progress bar of a run, and its clock without the time in which kernels are compiled."""
+"""The progress bar of a run, its wall time by phase, and its rates."""
 
 from __future__ import annotations
 
@@ -10,7 +10,11 @@ from debrisflow._jit import COMPILATIONS
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import State
 from debrisflow.run.bar import bar, pause
+from debrisflow.run.work import TimeLeft
+from debrisflow.schemes.clock import Clock
 
+START_UP, WRITING, PROBES = "start-up", "writing", "probes"
+COMPILING, OTHER = "compiling", "other"
 BAR = "{percentage:3.0f}% |{bar:20}| {desc}"
 
 
@@ -25,6 +29,8 @@ class Progress:
     case : ResolvedCase
     state : State
         At the start of the run or of its continuation.
+    clock : Clock
+        Started with the run; phases of the step and of the run are added to it.
 
     Attributes
     ----------
@@ -34,12 +40,14 @@ class Progress:
         Steps of this run, without those before it was continued.
     """
 
-    def __init__(self, case: ResolvedCase, state: State) -> None:
+    def __init__(self, case: ResolvedCase, state: State, clock: Clock) -> None:
         self.particle_steps = self.steps = 0
+        self.clock = clock
         self._relaxation = case.time.relaxation
-        self._start, self._compiled = perf_counter(), COMPILATIONS.seconds
-        self._drawn = self._start
-        self._seen = self._compiled
+        self._left = TimeLeft(case, state.particles.fluid_count)
+        self._drawn = perf_counter()
+        self._seen = COMPILATIONS.seconds
+        self._compiled = self._seen - clock.compile_seconds
         self._bar = bar(
             total=case.time.end + self._relaxation,
             initial=state.time + self._relaxation,
@@ -47,27 +55,33 @@ class Progress:
         )
 
     @property
-    def compile_seconds(self) -> float:
-        """Wall time in which kernels were compiled, s."""
-        return COMPILATIONS.seconds - self._compiled
-
-    @property
     def seconds(self) -> float:
-        """Wall time without that in which kernels were compiled, s."""
-        return perf_counter() - self._start - self.compile_seconds
+        """Wall time since start-up, without that in which kernels were compiled, s."""
+        return max(self.clock.seconds - self.clock.get(START_UP, 0.0), 1e-9)
+
+    def phases(self) -> dict[str, float]:
+        """Return the wall time by phase until now, s, in the order of the first times.
+
+        With what was spent compiling kernels and in no phase they add up to the whole.
+        """
+        seconds, compiling = self.clock.seconds, self.clock.compile_seconds
+        other = seconds - sum(self.clock.values())
+        return dict(self.clock) | {COMPILING: compiling, OTHER: other}
 
     def count(self, state: State) -> None:
         """Count the step that led to a state, and show the state."""
+        number, was_compiling = state.particles.fluid_count, COMPILATIONS.seconds > self._seen
+        self._seen = COMPILATIONS.seconds
         self.steps += 1
-        self.particle_steps += state.particles.fluid_count
-        if COMPILATIONS.seconds > self._seen:
-            self._seen = COMPILATIONS.seconds
-            self._bar.unpause()  # or the time left would be that of more compiling
-        self._bar.bar_format = BAR + ", {remaining} left"
+        self.particle_steps += number
+        written = self.clock.get(WRITING, 0.0)
+        elapsed = self.seconds - written
+        self._left.count(state.time, state.dt, number, elapsed, written, was_compiling)
+        left = self._left.seconds
         self._bar.set_description_str(
-            f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, "
-            f"{state.particles.fluid_count} particles, "
-            f"{self.particle_steps / self.seconds:.2g} particle-steps/s",
+            f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, {number} particles, "
+            f"{self.particle_steps / self.seconds:.2g} particle-steps/s"
+            + ("" if left is None else f", {self._bar.format_interval(left)} left"),
             refresh=False,
         )
         self._bar.update(state.time + self._relaxation - self._bar.n)
@@ -76,7 +90,6 @@ class Progress:
         now = perf_counter()
         if now - self._drawn >= pause():
             self._drawn = now
-            self._bar.bar_format = BAR
             self._bar.set_description_str(
                 f"compiling kernels, once, about a minute: {seconds - self._compiled:.0f} s so far"
             )

@@ -10,7 +10,7 @@ from debrisflow._jit import THREADING_LAYER
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import PHASES, State
 from debrisflow.run.measures import particle_volume
-from debrisflow.run.progress import Progress
+from debrisflow.run.progress import COMPILING, Progress
 
 
 def summary(
@@ -19,11 +19,11 @@ def summary(
     reason: str,
     threads: int,
     progress: Progress,
-    phases: dict[str, float],
 ) -> dict[str, Any]:
     """Return the contents of ``summary.json``.
 
-    ``wall_seconds`` excludes the time in which kernels were compiled, ``compile_seconds``.
+    ``wall_seconds`` excludes the time in which kernels were compiled, ``compile_seconds``; the
+    phases of ``wall_seconds_by_phase`` add up to both together.  Rates are without start-up.
 
     Parameters
     ----------
@@ -34,10 +34,9 @@ def summary(
         Why the run ended.
     threads : int
     progress : Progress
-    phases : dict
-        Wall time by phase of the step, s.
     """
-    seconds = progress.seconds
+    phases, seconds = progress.phases(), progress.seconds
+    compiling = phases[COMPILING]
     ways = {
         "entered": (state.entered, state.entered_sediment),
         "left": (state.left, state.left_sediment),
@@ -49,8 +48,8 @@ def summary(
         "end_reason": reason,
         "time": state.time,
         "steps": state.step,
-        "wall_seconds": seconds,
-        "compile_seconds": progress.compile_seconds,
+        "wall_seconds": sum(phases.values()) - compiling,
+        "compile_seconds": compiling,
         "wall_seconds_by_phase": phases,
         "particle_steps_per_second": progress.particle_steps / seconds,
         "seconds_per_step": seconds / max(1, progress.steps),

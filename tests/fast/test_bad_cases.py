@@ -1,12 +1,14 @@
 """Every wrong case file gives exactly its message; each stands for one rule, told by its title."""
 
+import tomllib
 from collections.abc import Callable, Iterator
+from copy import deepcopy
 from functools import wraps
 from pathlib import Path
 
 import pytest
 
-from debrisflow.case import checks, load_case
+from debrisflow.case import build_case, checks, load_case
 from debrisflow.case.problems import Problem
 from debrisflow.errors import CaseError
 
@@ -25,6 +27,19 @@ def test_message(path: Path) -> None:
 
     message = str(caught.value).replace(str(path), path.name)
     assert message + "\n" == path.with_suffix(".txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
+def test_a_case_built_in_python_gets_the_same_words(path: Path) -> None:
+    tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    before = deepcopy(tables)
+
+    with pytest.raises(CaseError) as caught:
+        build_case(tables, folder=FOLDER)
+
+    message = str(caught.value).replace("the case: ", f"{path.name}: ", 1)
+    assert message + "\n" == path.with_suffix(".txt").read_text(encoding="utf-8")
+    assert tables == before
 
 
 def test_every_check_has_a_wrong_case(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ The blocks of a page run one after the other in a folder of their own, which hol
 ``cases``.
 """
 
+import json
 import re
 import runpy
 import shlex
@@ -19,6 +20,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+import matplotlib
 import pytest
 from click.testing import CliRunner
 
@@ -33,6 +35,7 @@ PAGES = [
     *sorted((ROOT / "docs").rglob("*.md")),  # those in Japanese after those that they translate
     ROOT / "README.ja.md",
 ]
+NOTEBOOKS = sorted((ROOT / "docs").rglob("*.ipynb"))
 BLOCK = re.compile(r"(?:<!-- test: ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$", re.M | re.S)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install "
@@ -126,6 +129,36 @@ def test_commands_and_programs_run(page, folder, monkeypatch):
     reader = Reader(monkeypatch)
     for block in blocks(page):
         reader.follow(block)
+
+
+def cells_of(notebook: Path) -> list[dict]:
+    return json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_run(notebook, folder, capsys):
+    matplotlib.use("agg")
+    names: dict = {}
+    for cell in cells_of(notebook):
+        if cell["cell_type"] == "code":
+            exec(compile("".join(cell["source"]), cell["id"], "exec"), names)
+    drawn = matplotlib.pyplot.get_fignums()
+    matplotlib.pyplot.close("all")
+    assert len(drawn) == 2
+    assert names["summary"]["end_reason"] == "end of the simulated time"
+    assert 0.59 < names["history"]["front_all"].max() < 0.61  # the wall is reached
+    told = capsys.readouterr().out
+    assert "did you mean 'end'?" in told
+    assert re.search(r"greatest \d+ Pa at 0\.\d+ s", told)
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_hold_no_outputs_and_are_linked(notebook):
+    for cell in cells_of(notebook):
+        assert not cell.get("outputs")
+        assert cell.get("execution_count") is None
+    assert f"]({notebook.name})" in (notebook.parent / f"{notebook.stem}.md").read_text("utf-8")
 
 
 @pytest.mark.parametrize("page", pages_with("toml"))

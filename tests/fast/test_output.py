@@ -24,6 +24,7 @@ from debrisflow.run.progress import Progress
 from debrisflow.run.schedule import Schedule
 from debrisflow.run.summary import summary
 from debrisflow.run.vtu import write_particles
+from debrisflow.schemes.clock import Clock
 
 ARRAYS = {
     "velocity": np.float32,
@@ -224,8 +225,8 @@ def test_only_walls_that_are_surfaces_have_a_share_of_bounces(form, is_there):
     case = load_case("cases/hydrostatic2d.toml", [f"scheme.form='{form}'"])
     state = initial_state(case)
     state.bounces, state.particle_steps = 3, 12
-    with Progress(case, state) as shown:
-        figures = summary(case, state, "end", 1, shown, {})
+    with Progress(case, state, Clock()) as shown:
+        figures = summary(case, state, "end", 1, shown)
     assert figures.get("bounced_share") == (0.25 if is_there else None)
 
 
