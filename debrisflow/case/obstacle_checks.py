@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import combinations
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
 from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.regions import (
-    MESH_SLACK,
     TOLERANCE,
-    covered,
+    WALL_SHIFT,
     lattice_points,
     occupied,
     open_space,
@@ -46,7 +46,7 @@ def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacl
     spaces = list(dict.fromkeys(open_space(geometry, particles)))
     for k, body in enumerate(obstacle):
         area = occupied(body)
-        slack = TOLERANCE if isinstance(body, BoxObstacle) else MESH_SLACK
+        slack = TOLERANCE + (WALL_SHIFT if isinstance(body, MeshObstacle) else 0.0)
         if not any(space.shrunk(-slack * particles.spacing).holds(area) for space in spaces):
             room = " or ".join(map(str, spaces))
             message = f"the {body.type} {area} is not inside the {geometry.type}, {room}"
@@ -59,23 +59,15 @@ def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacl
                 yield Problem(f"obstacle.{k}.{axis}", message, extent)
 
 
-def obstacles_apart(
-    geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
-) -> Problems:
-    """Check that obstacles overlap neither each other nor a fill."""
+def obstacles_apart(geometry: Geometry, particles: Particles, obstacle: Obstacles) -> Problems:
+    """Check that no two obstacles overlap; out of a fill they are cut."""
     if not is_three_dimensional(geometry):
         return
     solids = [(f"obstacle.{k}", body, occupied(body)) for k, body in enumerate(obstacle)]
-    fluids = [
-        (f"fill.{k}", part, area)
-        for k, part in enumerate(fill)
-        if (area := covered(part, geometry, particles))
-    ]
-    for k, (name, body, area) in enumerate(solids):
-        for key, other, another in (*solids[k + 1 :], *fluids):
-            shared = shared_space((body, other), area.overlap(another), particles)
-            if shared:
-                yield Problem(key, f"overlaps {name}, '{body.name}', in {shared}")
+    for (name, body, area), (key, other, another) in combinations(solids, 2):
+        shared = shared_space((body, other), area.overlap(another), particles)
+        if shared:
+            yield Problem(key, f"overlaps {name}, '{body.name}', in {shared}")
 
 
 def meshes_resolved(

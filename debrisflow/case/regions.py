@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import prod, radians, tan
 from pathlib import Path
 from typing import NamedTuple
@@ -26,6 +27,8 @@ WEIR_SPACINGS = 4
 TOLERANCE = 1e-6
 # The same for a mesh, whose file may hold no more than seven digits.
 MESH_SLACK = 1e-3
+# Spacings by which a wall on the lattice may lie beside the place that is asked.
+WALL_SHIFT = 0.5
 # Cells of the box around a mesh up to which it is drawn at the door, within a gigabyte.
 MOST_CELLS = 2e7
 
@@ -70,6 +73,11 @@ def bed_end(geometry: ChannelShape, particles: Particles) -> float:
     end = geometry.length if geometry.runout_start is None else geometry.runout_start
     # Rounded to picometers so that 7 - 4 * 0.02 is written as 6.92.
     return round(end - WEIR_SPACINGS * particles.spacing, 12)
+
+
+def least_period(particles: Particles) -> float:
+    """Return the least length over which a space may repeat, m, so that it does not see itself."""
+    return 3 * (particles.effective_radius + 1) * particles.spacing
 
 
 def runout_rise(geometry: ChannelShape, gravity: Gravity) -> float:
@@ -174,6 +182,30 @@ def shared_space(
         return None
     lower, upper = shared.min(axis=0), shared.max(axis=0) + particles.spacing
     return Region(tuple(lower.tolist()), tuple(upper.tolist()))
+
+
+def volume_left(regions: Sequence[Region], holes: Sequence[Region]) -> float:
+    """Return the area, m2, or volume, m3, of regions together, without holes.
+
+    Examples
+    --------
+    >>> square, half = Region((0.0, 0.0), (2.0, 2.0)), Region((1.0, 0.0), (3.0, 2.0))
+    >>> volume_left([square, half], []), volume_left([square], [half])
+    (6.0, 2.0)
+    """
+    if not regions:
+        return 0.0
+    ends = np.array([(region.lower, region.upper) for region in (*regions, *holes)])
+    cuts = [np.unique(ends[:, :, axis]) for axis in range(ends.shape[2])]
+    inside = np.zeros([cut.size - 1 for cut in cuts], dtype=bool)
+    for k, (lower, upper) in enumerate(ends):
+        found = zip(cuts, lower, upper, strict=True)
+        cells = tuple(slice(*np.searchsorted(cut, (a, b))) for cut, a, b in found)
+        inside[cells] = k < len(regions)
+    for axis, cut in enumerate(cuts):
+        sides = np.diff(cut).reshape([-1 if k == axis else 1 for k in range(len(cuts))])
+        inside = inside * sides
+    return float(inside.sum())
 
 
 def open_space(geometry: Geometry, particles: Particles) -> list[Region]:

@@ -8,6 +8,7 @@ from math import ceil
 import numpy as np
 
 from debrisflow.case import ResolvedCase
+from debrisflow.case.built import HEAD, Rounded
 from debrisflow.case.defaults import LARGEST_PATH, LEAST_SOUND_RATIO
 from debrisflow.case.doubts import doubts
 from debrisflow.case.estimate import particle_estimate, size
@@ -17,6 +18,7 @@ from debrisflow.case.tables import EXPLICIT_RADIUS
 from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
+from debrisflow.space.volumes import differences
 
 # One fluid particle in a compressed particle file.  Wall particles take less: 37 bytes a particle
 # were measured with random fields where three particles in five were fluid.
@@ -81,6 +83,8 @@ class Forecast:
         Names of the probes whose answer will be poor, by the reason.
     doubts : list of str
         What is doubtful about the case.
+    rounded : list of Rounded
+        What is built otherwise than asked.
     """
 
     counts: dict[str, int]
@@ -95,6 +99,7 @@ class Forecast:
     sound: Sound | None
     poor: dict[str, list[str]]
     doubts: list[str]
+    rounded: list[Rounded]
 
     def __str__(self) -> str:
         """Return the figures as a few readable lines."""
@@ -122,6 +127,7 @@ class Forecast:
                 f"memory         {size(self.memory)}",
                 f"disk           {size(self.disk)} in {self.frames:,} particle files"
                 + self._warnings(),
+                *([HEAD, *map(str, self.rounded)] if self.rounded else []),
             ]
         )
 
@@ -155,6 +161,7 @@ def forecast(case: ResolvedCase) -> Forecast:
         sound=_sound(case, speed, fall_speed(*space)),
         poor=_poor(case),
         doubts=doubts(case),
+        rounded=differences(case),
     )
 
 

@@ -184,9 +184,8 @@ def _obstacle_height(case: ResolvedCase, x: Floats, y: Floats) -> Floats:
     for box in sorted(boxes, key=lambda box: box.z[0]):
         inside = np.ones(x.size, dtype=bool)
         for value, (start, end) in ((x, box.x), (y, box.y)):
-            # walls are cut on the lattice, see walls; the centers may lie on its lines
-            line = value / d0 + 1e-6
-            inside &= (line >= round(start / d0)) & (line < round(end / d0))
+            place = value + 1e-6 * d0  # centers may lie on the sides
+            inside &= (place >= start) & (place < end)
         stands = inside & (height >= box.z[0] - 0.5 * d0)
-        height[stands] = np.maximum(height[stands], round(box.z[1] / d0) * d0)
+        height[stands] = np.maximum(height[stands], box.z[1])
     return height
