@@ -6,7 +6,7 @@ problems; so that those that can be run are run even where another table could n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from inspect import signature
 from itertools import pairwise
 from math import hypot, isclose, sqrt
@@ -21,6 +21,7 @@ from debrisflow.case import (
     weakly_compressible_checks,
 )
 from debrisflow.case.bodies import MeshFill
+from debrisflow.case.built import as_built
 from debrisflow.case.defaults import (
     FEWEST_RELAXATION_STEPS,
     NO_SUPPLY,
@@ -45,18 +46,41 @@ from debrisflow.case.tables import (
     Scheme,
     Time,
 )
+from debrisflow.case.words import ABSENT
 
 Fill = tuple[AnyFill, ...]
 
 
 def cross_check(tables: Mapping[str, Any]) -> list[Problem]:
-    """Return the problems among the given tables of a case, by name."""
-    found: list[Problem] = []
-    for check in CHECKS:
+    """Return the problems among the given tables of a case, by name.
+
+    Lengths are judged as they are built, and named as they are asked.
+    """
+    found = list(_problems(AS_ASKED, tables))
+    told, built = {problem.key for problem in found}, as_built(tables)
+    for problem in _problems(CHECKS, {**tables, **built}):
+        if problem.key in told:
+            continue
+        if problem.value is not ABSENT and problem.key.split(".")[0] in built:
+            problem = problem._replace(value=_value_at(problem.key, tables) or problem.value)
+        found.append(problem)
+    return found
+
+
+def _problems(checks: Sequence[Callable[..., Problems]], tables: Mapping[str, Any]) -> Problems:
+    for check in checks:
         wanted = signature(check).parameters
         if all(name in tables for name in wanted):
-            found.extend(check(**{name: tables[name] for name in wanted}))
-    return found
+            yield from check(**{name: tables[name] for name in wanted})
+
+
+def _value_at(key: str, tables: Mapping[str, Any]) -> Any:
+    """Return the value of a dotted key, None if it is left out."""
+    first, *steps = key.split(".")
+    value = tables[first]
+    for step in steps:
+        value = value[int(step)] if step.isdecimal() else getattr(value, step, None)
+    return value
 
 
 def anything_to_compute(fill: Fill, inflow: Inflow | None) -> Problems:
@@ -301,6 +325,11 @@ def memory_suffices(
         yield Problem("particles.spacing", message, particles.spacing)
 
 
+AS_ASKED: tuple[Callable[..., Problems], ...] = (
+    *space_checks.AS_ASKED,
+    supply_across_channel,
+    one_way_of_supply,
+)
 CHECKS: tuple[Callable[..., Problems], ...] = (
     anything_to_compute,
     one_way_of_gravity,
@@ -309,8 +338,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     *motion_checks.CHECKS,
     shares_of_mixes,
     inflow_in_channel,
-    supply_across_channel,
-    one_way_of_supply,
     hydrograph_in_order,
     concentrations_below_packing,
     collisions_within_clip,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from math import hypot, inf, sqrt
 
+from debrisflow.case.built import as_built
 from debrisflow.case.materials import Mixture, Sediment, Water, bulk_density
 from debrisflow.case.regions import bed_end, extent_across, section_of_supply
 from debrisflow.case.resolved import (
@@ -64,7 +65,7 @@ _FORMS: dict[str, dict[str, str]] = {
 
 
 def complete(case: Case) -> ResolvedCase:
-    """Return the case with every default that follows from other fields filled in.
+    """Return the case as it is built, with every default that follows from other fields filled in.
 
     Raises
     ------
@@ -72,6 +73,9 @@ def complete(case: Case) -> ResolvedCase:
         If a supply has neither discharge nor velocity, or a hydrograph that is not read.
     """
     scheme: AnyResolvedScheme
+    asked = case.asked if isinstance(case, ResolvedCase) else None
+    if built := as_built(dict(case)):
+        asked, case = case, Case(**(dict(case) | built))
     if isinstance(case.scheme, ExplicitScheme):
         fastest = case.scheme.sound_speed or sound_speed(
             case.fill, case.inflow, case.geometry, case.particles, case.gravity, case.walls
@@ -96,7 +100,7 @@ def complete(case: Case) -> ResolvedCase:
         "output": _output(case.output),
         "probe": tuple(probe.complete(case.particles.spacing) for probe in case.probe),
     }
-    return ResolvedCase(**(dict(case) | found))
+    return ResolvedCase(**(dict(case) | found)).keep(asked)
 
 
 def viscous_limits(

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import hypot, isclose
 
+from debrisflow.case.built import LARGEST_MISFIT, enough
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.tables import Block
 
@@ -95,4 +96,17 @@ def _rows(case: ResolvedCase) -> Iterator[str]:
             )
 
 
-DOUBTS = (_gravity, _densities, _shares, _grains, _times, _rows)
+def _supply(case: ResolvedCase) -> Iterator[str]:
+    asked = case.asked.inflow if case.asked else None
+    if asked is None or case.inflow is None:
+        return
+    depth = case.inflow.depth
+    if abs(depth - asked.depth) > LARGEST_MISFIT * asked.depth * (1.0 + 1e-6):
+        fits = enough(asked.depth, case.particles.spacing)
+        yield (
+            f"inflow.depth = {asked.depth:g} m is built {depth:g} m deep, with the discharge that "
+            f"is asked; particles.spacing = {fits:.4g} would fit"
+        )
+
+
+DOUBTS = (_gravity, _densities, _shares, _grains, _times, _rows, _supply)

@@ -6,8 +6,15 @@ import os
 from math import pi
 from pathlib import Path
 
-from debrisflow.case.bodies import MeshFill, MeshObstacle
-from debrisflow.case.regions import covered, recess, section_of_supply, surface_of
+from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
+from debrisflow.case.regions import (
+    covered,
+    occupied,
+    recess,
+    section_of_supply,
+    surface_of,
+    volume_left,
+)
 from debrisflow.case.shapes import (
     Channel,
     Channel3D,
@@ -69,10 +76,11 @@ def estimate(
     layers = int(particles.effective_radius) + 1
     if isinstance(geometry, Tank3D | Channel3D):
         return _estimate_in_three(particles, geometry, obstacle, fill, inflow)
-    areas = [area.volume for part in fill if (area := covered(part, geometry, particles))]
+    areas = [area for part in fill if (area := covered(part, geometry, particles))]
     supply = inflow.depth if inflow and isinstance(geometry, Channel) else 0.0
     # Divided twice, since the square of a very small spacing would be zero.
-    fluid = sum(areas) / spacing / spacing
+    solids = [occupied(body) for body in obstacle if isinstance(body, BoxObstacle)]
+    fluid = volume_left(areas, solids) / spacing / spacing
     waiting = supply / spacing * layers + supply * _length(geometry) / spacing / spacing
     wall = 0.0
     if scheme.form == "study":
@@ -103,12 +111,14 @@ def _estimate_in_three(
     surfaces = [surface_of(body) for body in obstacle if isinstance(body, MeshObstacle)]
     squares = sum(surface.area for surface in surfaces) / spacing / spacing
     beside = squares * (BYTES_AN_ELEMENT * ELEMENTS + BYTES_BESIDE_A_MESH)
-    volumes = [
-        surface_of(part).volume if isinstance(part, MeshFill) else area.volume
+    boxes = [
+        area
         for part in fill
-        if (area := covered(part, geometry, particles))
+        if not isinstance(part, MeshFill) and (area := covered(part, geometry, particles))
     ]
-    fluid = sum(volumes) / spacing / spacing / spacing
+    solids = [occupied(body) for body in obstacle if isinstance(body, BoxObstacle)]
+    meshes = sum(surface_of(part).volume for part in fill if isinstance(part, MeshFill))
+    fluid = (volume_left(boxes, solids) + meshes) / spacing / spacing / spacing
     waiting = 0.0
     if inflow and isinstance(geometry, Channel3D):
         section = section_of_supply(inflow, geometry) / spacing / spacing

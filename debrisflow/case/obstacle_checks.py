@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import combinations
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
 from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.regions import (
-    MESH_SLACK,
     TOLERANCE,
-    covered,
+    WALL_SHIFT,
+    fault_of,
     lattice_points,
     occupied,
     open_space,
     shared_space,
 )
 from debrisflow.case.shapes import Geometry, is_three_dimensional
-from debrisflow.case.tables import AnyFill, AnyObstacle, Particles, Walls
+from debrisflow.case.tables import AnyFill, AnyObstacle, AnyScheme, Particles, Walls
 
 Fill = tuple[AnyFill, ...]
 Obstacles = tuple[AnyObstacle, ...]
@@ -61,16 +62,23 @@ def obstacles_named(obstacle: Obstacles) -> Problems:
         known.setdefault(body.name, f"obstacle.{k}")
 
 
-def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacles) -> Problems:
-    """Check that obstacles lie inside the space and boxes are a spacing thick."""
-    spaces = list(dict.fromkeys(open_space(geometry, particles)))
-    for k, body in _of_dimension(geometry, obstacle).items():
-        area = occupied(body)
-        slack = TOLERANCE if isinstance(body, BoxObstacle) else MESH_SLACK
-        if not any(space.shrunk(-slack * particles.spacing).holds(area) for space in spaces):
-            room = " or ".join(map(str, spaces))
-            message = f"the {body.type} {area} is not inside the {geometry.type}, {room}"
-            yield Problem(f"obstacle.{k}", message)
+def polygons_closed(obstacle: Obstacles) -> Problems:
+    """Check that the sides of a polygon do not cross and enclose something."""
+    for k, body in enumerate(obstacle):
+        if isinstance(body, PolygonObstacle) and (fault := fault_of(body)):
+            yield Problem(f"obstacle.{k}.corners", fault)
+
+
+def obstacles_of_particles(
+    scheme: AnyScheme, particles: Particles, obstacle: Obstacles
+) -> Problems:
+    """Check that walls of particles, in the form study, can represent the obstacles."""
+    if scheme.form != "study":
+        return
+    for k, body in enumerate(obstacle):
+        if isinstance(body, PolygonObstacle):
+            message = "walls of particles follow the lattice; set scheme.form = 'stable'"
+            yield Problem(f"obstacle.{k}.type", message, body.type)
         if not isinstance(body, BoxObstacle):
             continue
         for axis, extent in zip("xyz", body.extents, strict=False):
@@ -79,22 +87,28 @@ def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacl
                 yield Problem(f"obstacle.{k}.{axis}", message, extent)
 
 
-def obstacles_apart(
-    geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
-) -> Problems:
-    """Check that obstacles overlap neither each other nor a fill."""
+def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacles) -> Problems:
+    """Check that obstacles lie inside the space."""
+    spaces = list(dict.fromkeys(open_space(geometry, particles)))
+    for k, body in _of_dimension(geometry, obstacle).items():
+        area = occupied(body)
+        slack = TOLERANCE + (WALL_SHIFT if isinstance(body, MeshObstacle) else 0.0)
+        if not any(space.shrunk(-slack * particles.spacing).holds(area) for space in spaces):
+            room = " or ".join(map(str, spaces))
+            message = f"the {body.type} {area} is not inside the {geometry.type}, {room}"
+            yield Problem(f"obstacle.{k}", message)
+
+
+def obstacles_apart(geometry: Geometry, particles: Particles, obstacle: Obstacles) -> Problems:
+    """Check that no two obstacles overlap; out of a fill they are cut."""
     standing = _of_dimension(geometry, obstacle)
+    if any(isinstance(body, PolygonObstacle) and fault_of(body) for body in obstacle):
+        return
     solids = [(f"obstacle.{k}", body, occupied(body)) for k, body in standing.items()]
-    fluids = [
-        (f"fill.{k}", part, area)
-        for k, part in enumerate(fill)
-        if (area := covered(part, geometry, particles))
-    ]
-    for k, (name, body, area) in enumerate(solids):
-        for key, other, another in (*solids[k + 1 :], *fluids):
-            shared = shared_space((body, other), area.overlap(another), particles)
-            if shared:
-                yield Problem(key, f"overlaps {name}, '{body.name}', in {shared}")
+    for (name, body, area), (key, other, another) in combinations(solids, 2):
+        shared = shared_space((body, other), area.overlap(another), particles)
+        if shared:
+            yield Problem(key, f"overlaps {name}, '{body.name}', in {shared}")
 
 
 def meshes_resolved(
@@ -119,6 +133,8 @@ def meshes_resolved(
 CHECKS: tuple[Callable[..., Problems], ...] = (
     obstacles_of_dimension,
     obstacles_named,
+    polygons_closed,
+    obstacles_of_particles,
     obstacles_inside,
     obstacles_apart,
     meshes_resolved,

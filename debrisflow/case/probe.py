@@ -15,6 +15,7 @@ SIZE = "side of the square, in two dimensions width of the strip, {}; 2 spacings
 SIZE_SPACINGS = 2  # of a size that is left out
 _Any = TypeVar("_Any")
 TOLERANCE = 1e-6  # spacings
+SLACK = 0.5 + TOLERANCE  # spacings by which a wall may be built beside the place asked
 
 
 class Fault(NamedTuple):
@@ -71,7 +72,7 @@ class Space(NamedTuple):
 
     def place_faults(self, **place: float | None) -> Faults:
         """Yield a fault for each coordinate, by its axis, that is outside the space."""
-        slack = TOLERANCE * self.spacing
+        slack = SLACK * self.spacing
         for axis, (lower, upper) in self.extents.items():
             value = place.get(axis)
             if value is not None and not lower - slack <= value <= upper + slack:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import prod, radians, tan
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from debrisflow.case.bodies import MeshFill, MeshObstacle
+from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
 from debrisflow.case.shapes import (
     Channel3D,
     ChannelShape,
@@ -18,7 +20,7 @@ from debrisflow.case.shapes import (
     Tank3D,
     is_three_dimensional,
 )
-from debrisflow.case.tables import AnyFill, AnyObstacle, Bed, Gravity, Inflow, Particles
+from debrisflow.case.tables import AnyFill, AnyObstacle, Bed, Block, Gravity, Inflow, Particles
 from debrisflow.case.triangles import Surface, cells_inside, read_surface
 
 WEIR_SPACINGS = 4
@@ -26,6 +28,8 @@ WEIR_SPACINGS = 4
 TOLERANCE = 1e-6
 # The same for a mesh, whose file may hold no more than seven digits.
 MESH_SLACK = 1e-3
+# Spacings by which a wall on the lattice may lie beside the place that is asked.
+WALL_SHIFT = 0.5
 # Cells of the box around a mesh up to which it is drawn at the door, within a gigabyte.
 MOST_CELLS = 2e7
 
@@ -70,6 +74,11 @@ def bed_end(geometry: ChannelShape, particles: Particles) -> float:
     end = geometry.length if geometry.runout_start is None else geometry.runout_start
     # Rounded to picometers so that 7 - 4 * 0.02 is written as 6.92.
     return round(end - WEIR_SPACINGS * particles.spacing, 12)
+
+
+def least_period(particles: Particles) -> float:
+    """Return the least length over which a space may repeat, m, so that it does not see itself."""
+    return 3 * (particles.effective_radius + 1) * particles.spacing
 
 
 def runout_rise(geometry: ChannelShape, gravity: Gravity) -> float:
@@ -157,6 +166,9 @@ def shared_space(
     """
     if both.shrunk(TOLERANCE * particles.spacing).volume <= 0:
         return None
+    if any(isinstance(body, PolygonObstacle) for body in bodies):
+        one, other = (_outline(body) for body in bodies)
+        return _shared_area(one, other, particles)
     within: list[NDArray[np.int64]] = []
     for mesh in bodies:
         if isinstance(mesh, MeshFill | MeshObstacle):
@@ -173,6 +185,59 @@ def shared_space(
         return None
     lower, upper = shared.min(axis=0), shared.max(axis=0) + particles.spacing
     return Region(tuple(lower.tolist()), tuple(upper.tolist()))
+
+
+def fault_of(polygon: PolygonObstacle) -> str:
+    """Return what is wrong with a polygon; empty if nothing is."""
+    shape = shapely.Polygon(polygon.corners)
+    if not shapely.is_valid(shape):
+        reason, _, place = shapely.is_valid_reason(shape).partition("[")
+        return f"{reason.lower()} at ({place.rstrip(']').replace(' ', ', ')}) m"
+    return "" if shape.area > 0.0 else "encloses nothing: its corners lie on a line"
+
+
+def _outline(body: AnyFill | AnyObstacle) -> shapely.Polygon:
+    """Return a body of two dimensions as a polygon."""
+    if isinstance(body, PolygonObstacle):
+        return shapely.Polygon(body.corners)
+    if isinstance(body, BoxObstacle | Block):
+        return shapely.box(body.x[0], body.y[0], body.x[1], body.y[1])
+    raise TypeError(f"a {body.type} has no outline")
+
+
+def _shared_area(
+    one: shapely.Polygon, other: shapely.Polygon, particles: Particles
+) -> Region | None:
+    """Return the box around what two polygons share, None where they only touch."""
+    shared = one.intersection(other)
+    if shared.area <= TOLERANCE * particles.spacing**2:
+        return None
+    x0, y0, x1, y1 = shared.bounds
+    return Region((x0, y0), (x1, y1))
+
+
+def volume_left(regions: Sequence[Region], holes: Sequence[Region]) -> float:
+    """Return the area, m2, or volume, m3, of regions together, without holes.
+
+    Examples
+    --------
+    >>> square, half = Region((0.0, 0.0), (2.0, 2.0)), Region((1.0, 0.0), (3.0, 2.0))
+    >>> volume_left([square, half], []), volume_left([square], [half])
+    (6.0, 2.0)
+    """
+    if not regions:
+        return 0.0
+    ends = np.array([(region.lower, region.upper) for region in (*regions, *holes)])
+    cuts = [np.unique(ends[:, :, axis]) for axis in range(ends.shape[2])]
+    inside = np.zeros([cut.size - 1 for cut in cuts], dtype=bool)
+    for k, (lower, upper) in enumerate(ends):
+        found = zip(cuts, lower, upper, strict=True)
+        cells = tuple(slice(*np.searchsorted(cut, (a, b))) for cut, a, b in found)
+        inside[cells] = k < len(regions)
+    for axis, cut in enumerate(cuts):
+        sides = np.diff(cut).reshape([-1 if k == axis else 1 for k in range(len(cuts))])
+        inside = inside * sides
+    return float(inside.sum())
 
 
 def open_space(geometry: Geometry, particles: Particles) -> list[Region]:

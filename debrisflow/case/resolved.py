@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, Self, TypeVar
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from debrisflow.case.fields import Table
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Tank, Tank3D
@@ -109,6 +109,20 @@ class ResolvedCase(Case):
     scheme: AnyResolvedScheme = _known(Case, "scheme")
     time: ResolvedTime = _known(Case, "time")
     output: ResolvedOutput = _known(Case, "output")
+    _asked: Case | None = PrivateAttr(None)
+
+    @property
+    def asked(self) -> Case | None:
+        """The case before its lengths were rounded to the lattice; None if none was, or is known.
+
+        A case that is read back from a run knows what is built only.
+        """
+        return self._asked
+
+    def keep(self, asked: Case | None) -> Self:
+        """Keep the case as it was asked, and return this one."""
+        self._asked = asked
+        return self
 
     @property
     def has_surfaces(self) -> bool:

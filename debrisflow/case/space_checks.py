@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import combinations
-from math import degrees, isfinite
+from collections.abc import Callable, Iterator
+from math import degrees
+from typing import Any
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
+from debrisflow.case.built import LARGEST_MISFIT, MUST_STAND, as_built, enough
 from debrisflow.case.fields import Interval
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import (
-    MESH_SLACK,
     TOLERANCE,
+    WALL_SHIFT,
     WEIR_SPACINGS,
     bed_end,
     covered,
+    least_period,
     occupied,
     open_space,
     runout_rise,
-    shared_space,
+    volume_left,
 )
 from debrisflow.case.shapes import (
     Channel3D,
@@ -33,6 +35,7 @@ from debrisflow.case.strength import RampedStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
+    AnyScheme,
     Bed,
     Block,
     Gravity,
@@ -111,46 +114,54 @@ def _extents(fill: Fill, obstacle: Obstacles) -> dict[str, Interval]:
     }
 
 
-def lengths_on_lattice(
+def lengths_kept(
     geometry: Geometry,
     particles: Particles,
     obstacle: Obstacles,
     fill: Fill,
-    inflow: Inflow | None,
+    scheme: AnyScheme,
 ) -> Problems:
-    """Check that lengths are multiples of the spacing, so that the lattice has no gaps."""
-    lengths: dict[str, float] = {}
-    if isinstance(geometry, Tank):
-        names = ["width", "height"]
-    elif isinstance(geometry, Tank3D):
-        names = ["length", "width", "height"]
-    else:
-        names = ["length", "bed_start", "bed_thickness", "weir_height"]
-        names += [n for n in ("bed_end", "runout_start") if getattr(geometry, n) is not None]
-        if isinstance(geometry, Channel3D):
-            names.append("width")
-    lengths |= {f"geometry.{name}": getattr(geometry, name) for name in names}
-    if inflow is not None and inflow.depth >= particles.spacing:
-        lengths["inflow.depth"] = inflow.depth
-    if inflow is not None and inflow.across is not None:
-        lengths |= {f"inflow.across.{end}": inflow.across[end] for end in (0, 1)}
+    """Check that what is built is as long as asked, within a tenth."""
+    asked: dict[str, Any] = {"geometry": geometry, "particles": particles}
+    asked |= {"obstacle": obstacle, "fill": fill}
+    built = asked | as_built(asked | {"scheme": scheme})
+    lengths = zip(_lengths(**asked), _lengths(**built), strict=True)
+    for (key, value, length), (_, _, instead) in lengths:
+        if length > 0 and abs(instead - length) > LARGEST_MISFIT * length * (1 + TOLERANCE):
+            spacing = particles.spacing
+            yield Problem(
+                key,
+                f"would be built as {instead:.6g} m instead of {length:.6g} m, more than a tenth "
+                f"off; particles.spacing = {enough(length, spacing):.4g} would do",
+                value,
+            )
+
+
+def _lengths(
+    geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
+) -> Iterator[tuple[str, Any, float]]:
+    """Yield key, value and length, m, of what has a length."""
+    for name in MUST_STAND:
+        length = getattr(geometry, name, None)
+        if length is not None:
+            yield f"geometry.{name}", length, length
+    if isinstance(geometry, ChannelShape) and geometry.bed_thickness > 0:
+        end = bed_end(geometry, particles)
+        yield "geometry.bed_end", end, end - geometry.bed_start
     for key, extent in _extents(fill, obstacle).items():
-        lengths |= {f"{key}.{end}": extent[end] for end in (0, 1)}
-    for key, length in lengths.items():
-        count = length / particles.spacing
-        if not isfinite(count) or abs(count - round(count)) <= TOLERANCE:
-            continue
-        nearest = max(round(count), 1) if length > 0 else min(round(count), -1)
-        yield Problem(
-            key,
-            f"not a multiple of the spacing {particles.spacing:g} m; "
-            f"the nearest is {nearest * particles.spacing:.10g} m",
-            length,
-        )
+        yield key, extent, extent[1] - extent[0]
 
 
-def space_resolved(geometry: Geometry, particles: Particles, inflow: Inflow | None) -> Problems:
-    """Check that the spacing resolves tank, channel, bed and supply."""
+def supply_resolved(particles: Particles, inflow: Inflow | None) -> Problems:
+    """Check that a supply is a row deep; its discharge does not depend on the rounded depth."""
+    spacing = particles.spacing
+    if inflow and inflow.depth * (1 + LARGEST_MISFIT) < (1 - TOLERANCE) * spacing:
+        message = f"not resolved: must be at least one spacing of {spacing:g} m"
+        yield Problem("inflow.depth", message, inflow.depth)
+
+
+def space_resolved(geometry: Geometry, particles: Particles) -> Problems:
+    """Check that the spacing resolves tank, channel and bed."""
     spacing = particles.spacing
     across = ["height"]
     if isinstance(geometry, Tank3D):
@@ -170,9 +181,6 @@ def space_resolved(geometry: Geometry, particles: Particles, inflow: Inflow | No
     ):
         message = f"not resolved: must be at least {FEWEST_BED_SPACINGS} spacings of {spacing:g} m"
         yield Problem("geometry.bed_thickness", message, geometry.bed_thickness)
-    if inflow and inflow.depth < (1 - TOLERANCE) * spacing:
-        message = f"not resolved: must be at least one spacing of {spacing:g} m"
-        yield Problem("inflow.depth", message, inflow.depth)
 
 
 def periodic_space(geometry: Geometry, particles: Particles) -> Problems:
@@ -180,7 +188,7 @@ def periodic_space(geometry: Geometry, particles: Particles) -> Problems:
     if not geometry.periodic:
         return
     name = "length" if isinstance(geometry, ChannelShape) else "width"
-    least = 3 * (particles.effective_radius + 1) * particles.spacing
+    least = least_period(particles)
     if getattr(geometry, name) < least * (1 - TOLERANCE):
         message = (
             f"too short to be periodic: at least 3 (effective_radius + 1) spacings, {least:g} m"
@@ -242,7 +250,8 @@ def nothing_on_runout(
     """Check that blocks, meshes and obstacles end before a run-out."""
     if not isinstance(geometry, ChannelShape) or geometry.runout_start is None:
         return
-    farthest = geometry.runout_start + MESH_SLACK * particles.spacing
+    slack = TOLERANCE * particles.spacing
+    mesh_slack = slack + WALL_SHIFT * particles.spacing
     message = f"must end before the run-out, x = {geometry.runout_start:g} m"
     bodies: list[tuple[str, AnyFill | AnyObstacle]]
     bodies = [(f"fill.{k}", part) for k, part in enumerate(fill)]
@@ -250,9 +259,9 @@ def nothing_on_runout(
     for key, body in bodies:
         if isinstance(body, MeshFill | MeshObstacle | PolygonObstacle):
             end = occupied(body).upper[0]
-            if end > farthest:
+            if end > geometry.runout_start + mesh_slack:
                 yield Problem(key, f"{message}, and not at x = {end:.6g} m")
-        elif not isinstance(body, Bed) and body.x[1] > farthest:
+        elif not isinstance(body, Bed) and body.x[1] > geometry.runout_start + slack:
             yield Problem(f"{key}.x.1", message, body.x[1])
 
 
@@ -276,22 +285,35 @@ def fills_inside(geometry: Geometry, particles: Particles, fill: Fill) -> Proble
             yield Problem(f"fill.{k}.type", message, part.type)
         if isinstance(part, Bed) or area is None:
             continue
-        slack = (MESH_SLACK if isinstance(part, MeshFill) else TOLERANCE) * particles.spacing
-        if not any(space.shrunk(-slack).holds(area) for space in spaces):
+        slack = TOLERANCE + (WALL_SHIFT if isinstance(part, MeshFill) else 0.0)
+        if not any(space.shrunk(-slack * particles.spacing).holds(area) for space in spaces):
             room = " or ".join(map(str, dict.fromkeys(spaces)))
             message = f"the {part.type} {area} is not inside the {geometry.type}, {room}"
             yield Problem(f"fill.{k}", message)
 
 
-def fills_apart(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
-    """Check that no two fills overlap."""
-    areas = [(part, covered(part, geometry, particles)) for part in fill]
-    for (j, (one, area)), (k, (other, another)) in combinations(enumerate(areas), 2):
-        if area is None or another is None:
+def fills_left(
+    geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
+) -> Problems:
+    """Check that obstacles and later fills leave something of every fill."""
+    axes = 3 if is_three_dimensional(geometry) else 2
+    boxes = [
+        occupied(body)
+        for body in obstacle
+        if isinstance(body, BoxObstacle) and len(body.extents) == axes
+    ]
+    areas = [covered(part, geometry, particles) for part in fill]
+    for k, (part, area) in enumerate(zip(fill, areas, strict=True)):
+        if isinstance(part, MeshFill) or area is None or area.volume <= 0:
             continue
-        shared = shared_space((one, other), area.overlap(another), particles)
-        if shared:
-            yield Problem(f"fill.{k}", f"overlaps fill.{j} in {shared}")
+        later = [
+            other
+            for other, another in zip(areas[k + 1 :], fill[k + 1 :], strict=True)
+            if other is not None and not isinstance(another, MeshFill)
+        ]
+        if volume_left([area], [*boxes, *later]) <= TOLERANCE * area.volume:
+            message = "nothing is left of it: it lies in obstacles and fills after it in the file"
+            yield Problem(f"fill.{k}", message)
 
 
 def walls_that_drag(walls: Walls, geometry: Geometry) -> Problems:
@@ -372,10 +394,13 @@ def _walls_present(geometry: Geometry) -> dict[str, bool]:
     }
 
 
+AS_ASKED: tuple[Callable[..., Problems], ...] = (
+    intervals_in_order,
+    lengths_kept,
+    supply_resolved,
+)
 CHECKS: tuple[Callable[..., Problems], ...] = (
     fills_of_dimension,
-    intervals_in_order,
-    lengths_on_lattice,
     space_resolved,
     periodic_space,
     weir_in_channel,
@@ -383,7 +408,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     nothing_on_runout,
     plain_wider_than_channel,
     fills_inside,
-    fills_apart,
+    fills_left,
     walls_that_drag,
     walls_with_friction,
     walls_there,

@@ -382,7 +382,11 @@ class Case(Table):
         tuple[Annotated[AnyObstacle, Field(discriminator="type")], ...], Strict(False)
     ] = Field((), description="walls in the way of the flow")
     fill: Annotated[tuple[Annotated[AnyFill, Field(discriminator="type")], ...], Strict(False)] = (
-        Field((), description="what is filled with particles at the start")
+        Field(
+            (),
+            description="what is filled with particles at the start, less obstacles; where fills "
+            "overlap the later one in the file counts",
+        )
     )
     walls: Walls = Walls()
     inflow: Inflow | None = None

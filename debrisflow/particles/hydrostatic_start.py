@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from debrisflow.case import ResolvedCase
+from debrisflow.case.regions import TOLERANCE
 from debrisflow.particles.matter import reference_density
 from debrisflow.particles.record import Particles
 from debrisflow.space.bodies import in_walls
@@ -45,7 +46,8 @@ def compress(particles: Particles, case: ResolvedCase) -> None:
     last = np.append(first[1:], order.size) - 1
     beneath = (cell[order[first]] + 0.5) * d0
     beneath[:, up] -= d0
-    stands = in_walls(case, beneath)
+    # a box off the lattice may end half a spacing below the cells that are cut out for it
+    stands = in_walls(case, beneath, slack=TOLERANCE * d0)
     load = gradient * d0 * particles.density[order] / reference_density(case)
     above = np.cumsum(load)
     compression = above[last][column] - above + 0.5 * load

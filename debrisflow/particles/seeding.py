@@ -9,8 +9,8 @@ from debrisflow.case import ResolvedCase, tables
 from debrisflow.particles.matter import set_material
 from debrisflow.particles.record import Kind, Particles, blank
 from debrisflow.particles.supply import first_columns
+from debrisflow.space.carving import filled
 from debrisflow.space.domain import WALL_NAMES
-from debrisflow.space.fills import fill
 from debrisflow.space.walls import WallPoints, wall_points
 
 Floats = NDArray[np.float64]
@@ -25,7 +25,10 @@ def seed(case: ResolvedCase) -> Particles:
         A checked case with its defaults resolved.
     """
     rng = np.random.default_rng(case.particles.seed)
-    groups = [_filled(block, case, rng) for block in case.fill]
+    groups = [
+        _filled(block, places, case, rng)
+        for block, places in zip(case.fill, filled(case), strict=True)
+    ]
     fluid_count = sum(g.count for g in groups)
     columns = first_columns(case) if case.inflow is not None else []
     inflow_count = sum(column.count for column in columns)
@@ -49,8 +52,10 @@ def _placed(position: Floats) -> Particles:
     return particles
 
 
-def _filled(block: tables.AnyFill, case: ResolvedCase, rng: np.random.Generator) -> Particles:
-    particles = _placed(fill(block, case))
+def _filled(
+    block: tables.AnyFill, places: Floats, case: ResolvedCase, rng: np.random.Generator
+) -> Particles:
+    particles = _placed(places)
     if block.material == "mix":
         is_sediment = _evenly_mixed(
             particles.position / case.particles.spacing, block.sediment_share, rng

@@ -14,6 +14,7 @@ from debrisflow.particles.maxima import Maxima, no_maxima
 from debrisflow.particles.record import Particles
 from debrisflow.particles.seeding import seed
 from debrisflow.particles.supply import supplied_sediment, whole_sediment
+from debrisflow.space.carving import fitted
 from debrisflow.space.domain import wall_layers
 from debrisflow.space.plan_grid import plan
 
@@ -121,6 +122,9 @@ def initial_state(case: ResolvedCase) -> State:
     particles = seed(case)
     if isinstance(case.scheme, tables.ExplicitScheme):
         hydrostatic_start.compress(particles, case)
+    if case.obstacle:
+        particles.position[particles.fluid] = fitted(case, particles.position[particles.fluid])
+    if isinstance(case.scheme, tables.ExplicitScheme):
         hydrostatic_start.jitter(particles, case)
     maxima = no_maxima(plan(case).x.size)
     state = State(particles, maxima, time=0.0 - case.time.relaxation, next_id=particles.count)

@@ -8,6 +8,7 @@ from math import ceil
 import numpy as np
 
 from debrisflow.case import ResolvedCase
+from debrisflow.case.built import HEAD, Rounded
 from debrisflow.case.defaults import LEAST_SOUND_RATIO
 from debrisflow.case.doubts import doubts
 from debrisflow.case.estimate import particle_estimate, size
@@ -20,6 +21,7 @@ from debrisflow.particles.seeding import seed
 from debrisflow.particles.state import PHASES
 from debrisflow.run.pace import Pace
 from debrisflow.run.work import mean_number, speeds, step_at
+from debrisflow.space.volumes import differences
 
 # One fluid particle in a compressed particle file.  Wall particles take less: 37 bytes a particle
 # were measured with random fields where three particles in five were fluid.
@@ -88,6 +90,8 @@ class Forecast:
         Names of the probes whose answer will be poor, by the reason.
     doubts : list of str
         What is doubtful about the case.
+    rounded : list of Rounded
+        What is built otherwise than asked.
     """
 
     counts: dict[str, int]
@@ -105,6 +109,7 @@ class Forecast:
     sound: Sound | None
     poor: dict[str, list[str]]
     doubts: list[str]
+    rounded: list[Rounded]
 
     @property
     def wall_time(self) -> tuple[float, float] | None:
@@ -143,6 +148,7 @@ class Forecast:
                 f"memory         {size(self.memory)}",
                 f"disk           {size(self.disk)} in {self.frames:,} particle files"
                 + self._warnings(),
+                *([HEAD, *map(str, self.rounded)] if self.rounded else []),
             ]
         )
 
@@ -211,6 +217,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
         sound=_sound(case, speed, fall_speed(*space)),
         poor=_poor(case),
         doubts=doubts(case),
+        rounded=differences(case),
     )
 
 

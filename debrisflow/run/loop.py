@@ -13,6 +13,7 @@ from typing import Any
 
 from debrisflow._jit import THREADING_LAYER, cores, set_threads
 from debrisflow.case import ResolvedCase, load_case
+from debrisflow.case.built import HEAD
 from debrisflow.case.doubts import doubts
 from debrisflow.errors import DivergedError, NotConvergedError, OutputError
 from debrisflow.particles.state import State, initial_state
@@ -28,6 +29,7 @@ from debrisflow.run.schedule import Schedule
 from debrisflow.run.summary import summary
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.clock import Clock
+from debrisflow.space.volumes import differences
 
 LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
@@ -144,6 +146,8 @@ class _Run:
         )
         for doubt in doubts(case):
             LOG.warning("%s", doubt)
+        if rounded := differences(case):
+            LOG.info("built otherwise than asked:\n%s", "\n".join([HEAD, *map(str, rounded)]))
 
     def _set_threads(self) -> None:
         """Use as many threads as the particles keep busy, and keep the greatest number used.

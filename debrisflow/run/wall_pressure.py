@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase, shapes, tables
+from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.shapes import plain_of
 from debrisflow.neighbors.patches import Patch, Patches, patches_of
 from debrisflow.particles.record import Kind, Particles
@@ -68,6 +69,7 @@ def wall_faces(case: ResolvedCase, walls: Particles, name: str) -> Faces:
     own &= walls.kind[drawn] == Kind.WALL
     period = np.rint(domain(case).period / d0).astype(np.int64)
     lattice = cell[own & follows]
+    box = next((b for b in case.obstacle if isinstance(b, BoxObstacle) and b.name == name), None)
     position, normal = [], []
     for axis in range(axes):
         for side in (-1, 1):
@@ -76,7 +78,10 @@ def wall_faces(case: ResolvedCase, walls: Particles, name: str) -> Faces:
             beside = lattice + step.astype(np.int64)
             shown = ~are_among(_wrapped(beside, period), cell[follows])
             shown &= _in_space(case, (beside + 0.5) * d0)
-            position.append((lattice[shown] + 0.5 * (1.0 + step)) * d0)
+            place = (lattice[shown] + 0.5 * (1.0 + step)) * d0
+            if box is not None:  # which need not end on the lattice
+                place[:, axis] = getattr(box, "xyz"[axis])[int(side > 0)]
+            position.append(place)
             normal.append(np.tile(step, (int(np.count_nonzero(shown)), 1)))
     rows = drawn[own & ~follows]
     outward, depth = walls.wall_normal[rows], walls.wall_depth[rows, None]

@@ -82,11 +82,14 @@ class Body(NamedTuple):
         return inside
 
 
-def in_walls(case: ResolvedCase, places: Floats) -> NDArray[np.bool_]:
-    """Return which places, (n, 3) array, m, lie in a wall or obstacle; meshes by their cells."""
+def in_walls(case: ResolvedCase, places: Floats, slack: float = 0.0) -> NDArray[np.bool_]:
+    """Return which places, (n, 3) array, m, lie in a wall or obstacle; meshes by their cells.
+
+    Or within a slack, m, of a box.
+    """
     inside = np.zeros(len(places), dtype=bool)
     for body in bodies_of(case):
-        inside |= body.holds(places)
+        inside |= body.holds(places, slack)
     d0 = case.particles.spacing
     cell = np.floor(places / d0).astype(np.int64)
     for obstacle in case.obstacle:

@@ -5,13 +5,14 @@ In two dimensions y is up, in three z.
 
 from __future__ import annotations
 
+from math import floor
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, shapes
-from debrisflow.case.regions import runout_rise
+from debrisflow.case.regions import TOLERANCE, runout_rise
 from debrisflow.case.shapes import plain_of
 
 Floats = NDArray[np.float64]
@@ -102,5 +103,5 @@ def domain(case: ResolvedCase) -> Domain:
 
 
 def cells_along(length: float, d0: float) -> int:
-    """Return the number of cells of a length, m."""
-    return round(length / d0)
+    """Return the number of cells of a length, m; halves are rounded up."""
+    return floor(length / d0 + 0.5 + TOLERANCE)

@@ -184,9 +184,8 @@ def _obstacle_height(case: ResolvedCase, x: Floats, y: Floats) -> Floats:
     for box in sorted(boxes, key=lambda box: box.extents[-1][0]):
         inside, (foot, top) = np.ones(x.size, dtype=bool), box.extents[-1]
         for value, (start, end) in zip((x, y), box.extents[:-1], strict=False):
-            # walls are cut on the lattice, see walls; the centers may lie on its lines
-            line = value / d0 + 1e-6
-            inside &= (line >= round(start / d0)) & (line < round(end / d0))
+            place = value + 1e-6 * d0  # centers may lie on the sides
+            inside &= (place >= start) & (place < end)
         stands = inside & (height >= foot - 0.5 * d0)
-        height[stands] = np.maximum(height[stands], round(top / d0) * d0)
+        height[stands] = np.maximum(height[stands], top)
     return height

@@ -83,6 +83,19 @@ def in_polygon(part: PolygonObstacle, places: Floats) -> NDArray[np.bool_]:
     return inside
 
 
+def push_off_polygon(places: Floats, part: PolygonObstacle, clearance: float) -> None:
+    """Move places, (n, 3) array, m, that are nearer than a clearance, m, to a polygon off it."""
+    points, shape = shapely.points(places[:, :2]), shapely.Polygon(part.corners)
+    rows = np.flatnonzero(shapely.distance(points, shape) < clearance)
+    way = shapely.get_coordinates(shapely.shortest_line(shape, points[rows])).reshape(-1, 2, 2)
+    off = way[:, 1] - way[:, 0]
+    distance = np.hypot(*off.T)
+    outside = distance > 0.0
+    places[rows[outside], :2] += (off * (clearance / np.maximum(distance, 1e-300) - 1.0)[:, None])[
+        outside
+    ]
+
+
 def _sides(shape: shapely.Geometry) -> Floats:
     """Return the sides of a polygon, or of several, with the inside on the left, (n, 2, 2)."""
     parts = [part for part in shapely.get_parts(shape) if part.area > 0.0]

@@ -5,7 +5,16 @@ from __future__ import annotations
 from typing import ClassVar, Literal, Self
 
 from debrisflow.case.fields import NONE, quantity
-from debrisflow.case.probe import SIZE, SIZE_SPACINGS, TOLERANCE, Fault, Faults, Probe, Space
+from debrisflow.case.probe import (
+    SIZE,
+    SIZE_SPACINGS,
+    SLACK,
+    TOLERANCE,
+    Fault,
+    Faults,
+    Probe,
+    Space,
+)
 
 
 class PressureProbe(Probe):
@@ -25,7 +34,7 @@ class PressureProbe(Probe):
         yield from space.place_faults(x=self.x, y=self.y, z=self.z)
         yield from space.wall_faults(self.wall)
         distance = space.distance_to(self.wall, (self.x, self.y, self.z or 0.0))
-        if distance is not None and distance > space.spacing * (1 + TOLERANCE):
+        if distance is not None and distance > space.spacing * (1 + SLACK):
             message = f"the place is {distance:.3g} m from that wall; at most a spacing"
             yield Fault("wall", message, self.wall)
 

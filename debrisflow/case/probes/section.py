@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from debrisflow.case.fields import quantity
-from debrisflow.case.probe import TOLERANCE, Fault, Faults, Probe, Space
+from debrisflow.case.probe import SLACK, Fault, Faults, Probe, Space
 
 
 class SectionProbe(Probe):
@@ -21,7 +21,7 @@ class SectionProbe(Probe):
             return
         lower, upper = space.extents["x"]
         first, last = lower + space.spacing, upper - space.spacing
-        slack = TOLERANCE * space.spacing
+        slack = SLACK * space.spacing
         if not first - slack <= self.x <= last + slack:
             message = f"must be a spacing from the ends, x = [{first:g}, {last:g}] m"
             yield Fault("x", message, self.x)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
+from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.probes.height import HeightProbe
 from debrisflow.errors import CaseError
 from debrisflow.neighbors.lattice import reference
@@ -13,7 +14,7 @@ from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import State
 from debrisflow.run.measures import LEAST_DENSITY_RATIO, piled
 from debrisflow.run.probe import Column, Sampler
-from debrisflow.space.domain import domain
+from debrisflow.space.domain import WALL_NAMES, domain
 from debrisflow.space.floor import is_over_floor
 from debrisflow.space.plan_grid import floor_ends
 
@@ -48,6 +49,8 @@ class Height(Sampler):
         first, last = floor_ends(case, probe.x, probe.y or 0.0)
         half = np.full(self._up, 0.5 * size)
         repeats = self._period > 0.0
+        # a place at a wall as it is asked may lie behind the wall as it is built
+        self._place = np.where(repeats, self._place, np.clip(self._place, first, last))
         self._lower = -np.where(repeats, half, np.minimum(half, self._place - first))
         self._upper = np.where(repeats, half, np.minimum(half, last - self._place))
         self.base = self._base(particles, case)
@@ -112,4 +115,8 @@ class Height(Sampler):
         under &= (walls.kind == Kind.WALL) & (walls.wall_normal[:, self._up] > UPWARD)
         if not under.any():
             raise CaseError(f"probe '{self._name}': no floor under it looks up; move it aside")
-        return float(walls.position[:, self._up][under].max() + 0.5 * self._d0)
+        top = walls.position[:, self._up] + 0.5 * self._d0
+        for number, body in enumerate(case.obstacle, start=len(WALL_NAMES)):
+            if isinstance(body, BoxObstacle):  # which need not end on the lattice
+                top[walls.wall == number] = getattr(body, "xyz"[self._up])[1]
+        return float(top[under].max())

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import MeshObstacle
+from debrisflow.case.probe import SLACK
 from debrisflow.case.probes.pressure import PressureProbe
 from debrisflow.errors import CaseError
 from debrisflow.neighbors.patches import Patch, shares
@@ -47,7 +48,7 @@ class PatchPressure(Sampler):
             raise CaseError(f"probe '{probe.name}': nothing of {probe.wall} is open to the fluid")
         place = np.array([probe.x, probe.y, probe.z or 0.0])
         center, normal, distance = nearest_on(faces, place, case)
-        if distance > (1.0 + 1e-6) * case.particles.spacing:
+        if distance > (1.0 + SLACK) * case.particles.spacing:
             raise CaseError(
                 f"probe '{probe.name}': the place is {distance:.3g} m from the surface of "
                 f"{probe.wall}; at most a spacing"
