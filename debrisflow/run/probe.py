@@ -15,6 +15,7 @@ from debrisflow.case.probe import Probe
 from debrisflow.neighbors.patches import Patch
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
+from debrisflow.run.row_statistics import EXTREMES
 from debrisflow.run.tables import Series
 
 Floats = NDArray[np.float64]
@@ -104,6 +105,19 @@ class Sampler:
 
     def add_step(self, state: State) -> None:
         """Add the last step to the running sum."""
+
+
+def extreme_columns(columns: Sequence[Column]) -> list[Column]:
+    """Return the columns of the least and greatest values of some columns, two for each.
+
+    The values are those of single steps since the row before.
+    """
+    meaning = "least and greatest of the steps since the row before"
+    return [
+        Column(column.name + ending, column.unit, meaning, column.reference)
+        for column in columns
+        for ending in EXTREMES
+    ]
 
 
 def volume_unit(dimension: int) -> str:

@@ -27,7 +27,7 @@ DESCRIPTIONS = {
         "concentration, above the bed."
     ),
     "hydrographs": "What went through the stations and sections.",
-    "probes": "Samples of the probes, and their running means.",
+    "probes": "Samples of the probes, their running means, and the extremes of single steps.",
     "deposit": "Height of what lies at rest, and of the flow.",
     "maxima": "Greatest depth and speed, and when the flow arrived.",
     "budget": "Mass by matter and the error of its balance, energies, and forces along x.",
