@@ -164,6 +164,11 @@ def probe_curve(run: Run, name: str, span: float | None = None) -> ProbeCurve:
     if own not in probes:
         there = f"its probes are {either(probes)}" if probes else "it has no probes"
         raise OutputError(f"{run.folder} has no probe {own}; {there}{did_you_mean(own, probes)}")
+    if sampler_of(probes[own].type).has_many_points:
+        raise OutputError(
+            f"probe {own} is a {probes[own].type}: its columns are of many points, and no curves "
+            "in time; give a probe of the type point"
+        )
     columns = [one.name for one in columns_of(probes[own], run.case.dimension)]
     if column not in columns:
         raise OutputError(

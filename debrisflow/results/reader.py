@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, load_case
+from debrisflow.case.probes.grid import GridProbe
+from debrisflow.case.probes.line import LineProbe
 from debrisflow.errors import OutputError
 from debrisflow.results.frames import Frame, read_frame
+from debrisflow.results.grids import read_grid
 from debrisflow.run.folder import (
     CASE,
     DEPOSIT,
@@ -139,8 +142,21 @@ class Run:
         return table
 
     def probe(self, name: str) -> Table:
-        """Return the samples of a probe: a float64 array by column name."""
-        return read_table(self.folder / PROBES / f"{name}.csv")
+        """Return the samples of a probe: a float64 array by column name.
+
+        Those of a line have a row for each time and point; for a grid see
+        :func:`debrisflow.results.grids.read_grid`.
+        """
+        probe = next((one for one in self.case.probe if one.name == name), None)
+        file, spacing = self.folder / PROBES / f"{name}.csv", self.case.particles.spacing
+        if isinstance(probe, GridProbe):
+            return read_grid(file.with_suffix(".pvd"), probe, spacing)
+        table = read_table(file)
+        if isinstance(probe, LineProbe):
+            rows = np.arange(table["time"].size)
+            whole = rows.size - rows.size % probe.count(spacing)  # others are still being written
+            return rows_where(table, rows < whole)
+        return table
 
     @cached_property
     def summary(self) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import State
+from debrisflow.run.probe import Column
 from debrisflow.space.domain import domain
 
 Floats = NDArray[np.float64]
@@ -69,21 +70,39 @@ def flow_at(points: Floats, state: State, space: Space) -> tuple[NDArray[np.bool
         points[:, :axes], REACH * d0, return_sorted=True
     )
     count = np.array([len(found) for found in near], dtype=np.int64)
-    if count.sum() == 0:
-        return np.zeros(len(points), dtype=bool), flow
-    image = np.concatenate([np.array(found, dtype=np.int64) for found in near])
+    image = np.array([row for found in near for row in found], dtype=np.int64)
     point = np.repeat(np.arange(len(points)), count)
     offset = (place[image, :axes] - points[point, :axes]) / d0
     distance = np.linalg.norm(offset, axis=1)
     nearest = np.full(len(points), np.inf)
     np.minimum.at(nearest, point, distance)
     wet = nearest <= WET
+    if not wet.any():
+        return wet, flow
     kept, number = wet[point], np.cumsum(wet) - 1
     rows = row[image[kept]]
     fields = np.column_stack([p.velocity[rows], p.pressure[rows], p.concentration[rows]])
     weight = np.maximum(1.0 - distance[kept] / REACH, 0.0) ** 2
     flow[wet] = _values_at_points(number[point[kept]], offset[kept], weight, fields)
     return wet, flow
+
+
+def flow_columns(dimension: int) -> tuple[Column, ...]:
+    """Return the columns of :func:`flow_rows`."""
+    dry = "at this time; nan where it is dry"
+    return (
+        *(Column(f"velocity_{axis}", "m/s", dry) for axis in "xyz"[:dimension]),
+        Column("pressure", "Pa", dry),
+        Column("concentration", "", f"volumetric, of sediment, {dry}"),
+        Column("wet", "", "1 where a particle is nearer than a spacing, else 0"),
+    )
+
+
+def flow_rows(points: Floats, state: State, space: Space) -> Floats:
+    """Return the flow at points, a row each, with the columns of :func:`flow_columns`."""
+    wet, flow = flow_at(points, state, space)
+    flow[~wet] = np.nan
+    return np.column_stack([flow[:, : space.dimension], flow[:, 3:], wet])
 
 
 def _images(position: Floats, points: Floats, space: Space) -> tuple[NDArray[np.int64], Floats]:
