@@ -14,8 +14,10 @@ from debrisflow.case import ResolvedCase, load_case
 from debrisflow.case.probes.grid import GridProbe
 from debrisflow.case.probes.line import LineProbe
 from debrisflow.errors import OutputError
+from debrisflow.particles.seeding import wall_particles
 from debrisflow.results.frames import Frame, read_frame
 from debrisflow.results.grids import read_grid
+from debrisflow.results.surfaces import Surface, free_surface
 from debrisflow.run.folder import (
     CASE,
     DEPOSIT,
@@ -117,6 +119,18 @@ class Run:
         """Yield all frames in the order of time."""
         for time, file in self.files:
             yield read_frame(time, file)
+
+    @cached_property
+    def walls(self) -> Floats:
+        """Return the places of particles by which the walls can be drawn, (n, 3), m."""
+        return wall_particles(self.case).position
+
+    def surface(self, time: float = np.inf) -> Surface:
+        """Return the free surface in the frame nearest to a time, s; in the last one by default.
+
+        See :func:`debrisflow.results.surfaces.free_surface`.
+        """
+        return free_surface(self.frame(time), self.case, self.walls)
 
     @cached_property
     def history(self) -> Table:

@@ -36,6 +36,7 @@ CHECKPOINT = "checkpoint.h5"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
 PICTURES = "render"
+SURFACES = "surface.pvd"
 RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
 DERIVED = (
     "answers.csv",
@@ -59,6 +60,7 @@ DERIVED = (
     "probes.png",
     "profiles.png",
     "report.html",
+    SURFACES,
 )
 
 
@@ -227,6 +229,7 @@ def _results(path: Path) -> Iterator[Path]:
     for folder, name in (
         (FOLDER, r"\d{6,}\.vtu"),
         (PICTURES, r"(side|plan|perspective)_\w+\.(png|gif)"),
+        (f"{POSTPROCESS}/{Path(SURFACES).stem}", r"\d{6,}\.vtp"),
     ):
         ours = re.compile(f"{name}({re.escape(UNFINISHED)})?")
         yield from (file for file in path.glob(f"{folder}/*") if ours.fullmatch(file.name))
