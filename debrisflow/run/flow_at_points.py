@@ -16,6 +16,7 @@ from debrisflow.space.domain import domain
 Floats = NDArray[np.float64]
 REACH = 2.0  # spacings
 WET = 1.0  # spacings; with no particle nearer than this a point is dry
+POINTS_AT_ONCE = 20_000  # which bounds the memory
 WORST_CONDITION = 1000.0  # of the moments, above which a slope is not told
 
 
@@ -61,29 +62,29 @@ def flow_at(points: Floats, state: State, space: Space) -> tuple[NDArray[np.bool
     flow : (n, 5) float64 array
         Velocity, m/s, pressure, Pa, and concentration; 0 at dry points.
     """
-    p, fluid = state.particles, state.particles.fluid
-    axes, d0 = space.dimension, space.spacing
-    row, place = _images(p.position[fluid], points, space)
-    flow = np.zeros((len(points), 5))
-    # sorted, so that the order of the sums does not depend on the tree
-    near = cKDTree(place[:, :axes]).query_ball_point(
-        points[:, :axes], REACH * d0, return_sorted=True
-    )
-    count = np.array([len(found) for found in near], dtype=np.int64)
-    image = np.array([row for found in near for row in found], dtype=np.int64)
-    point = np.repeat(np.arange(len(points)), count)
-    offset = (place[image, :axes] - points[point, :axes]) / d0
-    distance = np.linalg.norm(offset, axis=1)
-    nearest = np.full(len(points), np.inf)
-    np.minimum.at(nearest, point, distance)
-    wet = nearest <= WET
-    if not wet.any():
-        return wet, flow
-    kept, number = wet[point], np.cumsum(wet) - 1
-    rows = row[image[kept]]
-    fields = np.column_stack([p.velocity[rows], p.pressure[rows], p.concentration[rows]])
-    weight = np.maximum(1.0 - distance[kept] / REACH, 0.0) ** 2
-    flow[wet] = _values_at_points(number[point[kept]], offset[kept], weight, fields)
+    p, axes = state.particles, slice(space.dimension)
+    row, place = _images(p.position[p.fluid], points, space)
+    tree, reach = cKDTree(place[:, axes]), REACH * space.spacing
+    wet, flow = np.zeros(len(points), dtype=bool), np.zeros((len(points), 5))
+    for first in range(0, len(points), POINTS_AT_ONCE):
+        part = slice(first, first + POINTS_AT_ONCE)
+        # sorted, so that the order of the sums does not depend on the tree
+        near = tree.query_ball_point(points[part, axes], reach, return_sorted=True)
+        count = [len(found) for found in near]
+        image = np.array([number for found in near for number in found], dtype=np.int64)
+        point = np.repeat(np.arange(len(count)), count)
+        offset = (place[image, axes] - points[part][point, axes]) / space.spacing
+        distance = np.linalg.norm(offset, axis=1)
+        nearest = np.full(len(count), np.inf)
+        np.minimum.at(nearest, point, distance)
+        wet[part] = reached = nearest <= WET
+        if not reached.any():
+            continue
+        kept, number = reached[point], np.cumsum(reached) - 1
+        rows = row[image[kept]]
+        fields = np.column_stack([p.velocity[rows], p.pressure[rows], p.concentration[rows]])
+        weight = np.maximum(1.0 - distance[kept] / REACH, 0.0) ** 2
+        flow[part][reached] = _values_at_points(number[point[kept]], offset[kept], weight, fields)
     return wet, flow
 
 

@@ -36,7 +36,7 @@ class GridWriter:
 
     def write(self, time: float, rows: Iterable[Row]) -> None:
         """Append a sample at a time, s: a row for each point, x the fastest."""
-        values = np.array(list(rows), dtype=np.float32)
+        values = np.asarray(rows, dtype=np.float32)
         self._images.append(time, lambda file: self._write_image(file, values))
 
     def truncate_after(self, time: float) -> None:

@@ -50,4 +50,4 @@ class GridFlow(Sampler):
 
     def rows(self, state: State) -> Iterable[Row]:
         """Return a row for each point."""
-        return [tuple(row) for row in flow_rows(self._points, state, self._space)]
+        return flow_rows(self._points, state, self._space)

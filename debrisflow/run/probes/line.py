@@ -45,4 +45,4 @@ class LineFlow(Sampler):
         """Return a row for each point."""
         place = self._points[:, : self._space.dimension]
         flow = flow_rows(self._points, state, self._space)
-        return [tuple(row) for row in np.column_stack([self._along, place, flow])]
+        return np.column_stack([self._along, place, flow])
