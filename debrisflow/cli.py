@@ -234,6 +234,7 @@ def init(file: Path, template: str) -> None:
 @click.option("--times", type=numbers_type(), default=(), help="Times of the deposit, s: T,T,...")
 @_smooth
 @_references
+@click.option("--surface", is_flag=True, help="Write the free surface of each frame for ParaView.")
 def postprocess(
     folder: Path,
     stations: tuple[float, ...],
@@ -241,6 +242,7 @@ def postprocess(
     times: tuple[float, ...],
     smooth: float | None,
     references: tuple[Path, ...],
+    surface: bool,
 ) -> None:
     """Derive tables and plots from the results in the folder RUN, finished or running."""
     from debrisflow.results import open_run
@@ -251,6 +253,10 @@ def postprocess(
     given = [read_reference(path) for path in references]
     found = survey(open_run(folder), stations, window, times, smooth)
     written, messages = postprocess(found, given)
+    if surface:
+        from debrisflow.results.surface_files import write_surfaces
+
+        written.append(write_surfaces(found.run))
     _print_files(written)
     for line in messages:
         click.echo(line)

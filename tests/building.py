@@ -192,7 +192,7 @@ def no_walls(count):
 def smooth_walls(slip):
     """Return what walls at rest are like that differ by their slip only."""
     slip = np.array(slip, dtype=float)
-    return Walls(slip, np.zeros(slip.size), velocity=None)
+    return Walls(slip, np.zeros(slip.size), motion=None)
 
 
 def planes(position, lattice, *walls):

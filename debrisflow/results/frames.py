@@ -81,18 +81,32 @@ def read_frame(time: float, file: Path) -> Frame:
     OutputError
         If it is missing or damaged.
     """
+    mesh = read_mesh(file)
+    try:
+        needed = [array.name for array in ARRAYS]
+        others = [name for name in mesh.point_data if name not in needed]
+        arrays = {name: np.asarray(mesh.point_data[name]) for name in (*needed, *others)}
+        return Frame(time, np.asarray(mesh.points), arrays)
+    except KeyError as error:
+        raise OutputError(f"{file} is damaged: VTK cannot read its arrays") from error
+
+
+def read_mesh(file: Path) -> pyvista.DataSet:
+    """Return what a file of VTK holds.
+
+    Raises
+    ------
+    OutputError
+        If it is missing or damaged.
+    """
     _must_be_whole(file)
     try:
         catcher = pyvista.VtkErrorCatcher(raise_errors=True, send_to_logging=False)
         with warnings.catch_warnings(), catcher:
             # pyvista also warns about the errors that the catcher raises
             warnings.simplefilter("ignore")
-            mesh = pyvista.read(file)
-        needed = [array.name for array in ARRAYS]
-        others = [name for name in mesh.point_data if name not in needed]
-        arrays = {name: np.asarray(mesh.point_data[name]) for name in (*needed, *others)}
-        return Frame(time, np.asarray(mesh.points), arrays)
-    except (RuntimeError, KeyError, ValueError) as error:
+            return pyvista.read(file)
+    except (RuntimeError, ValueError) as error:
         raise OutputError(f"{file} is damaged: VTK cannot read its arrays") from error
 
 

@@ -13,6 +13,7 @@ from debrisflow.errors import OutputError
 from debrisflow.results.reader import Run
 from debrisflow.results.stations import is_within
 from debrisflow.run.probes import columns_of, sampler_of
+from debrisflow.run.row_statistics import EXTREMES
 
 Floats = NDArray[np.float64]
 SMOOTHED = 10  # intervals of a probe over which its running mean goes, if no time is given
@@ -34,6 +35,8 @@ class ProbeCurve(NamedTuple):
         The integral over time, of pressures and forces, else nan.
     span : float, s
         Over which the running mean goes.
+    least, greatest : (n,) float64 array
+        Of the steps since the row before; the samples where they are not known.
     """
 
     probe: str
@@ -44,6 +47,8 @@ class ProbeCurve(NamedTuple):
     smooth: Floats
     impulse: float
     span: float
+    least: Floats
+    greatest: Floats
 
 
 class ProbeFigures(NamedTuple):
@@ -57,7 +62,8 @@ class ProbeFigures(NamedTuple):
         from which on the mean over its span has too; nan if that changes by less than 1 % of the
         greatest magnitude.
     peak, peak_time : float
-        The sample of greatest magnitude, and its time, s.
+        The value of greatest magnitude, of all steps if the probe keeps those between two rows,
+        else of the samples; and the time of its row, s.
     smooth_peak : float
         That of the running mean.
     impulse : float
@@ -83,8 +89,9 @@ HEAD = (
     "a row for each curve of a probe; those of sections are in answers.csv",
     "arrival: s, of the first sample that has changed by 5 % of the greatest change of the running",
     "  mean over {span}, and from which on the mean has too; nan if it hardly changes",
-    "peak, peak_time: the sample of greatest magnitude, and its time in s; smooth_peak: of the",
-    "  running mean",
+    "peak, peak_time: the value of greatest magnitude, of single steps if the probe keeps their",
+    "  least and greatest, else of the samples, and the time of its row in s",
+    "smooth_peak: value of greatest magnitude of the running mean",
     "impulse: integral over time, of pressures and forces, in the unit times s",
     "mean, deviation: mean and standard deviation of the samples from {start:g} to {end:g} s",
 )
@@ -157,6 +164,11 @@ def probe_curve(run: Run, name: str, span: float | None = None) -> ProbeCurve:
     if own not in probes:
         there = f"its probes are {either(probes)}" if probes else "it has no probes"
         raise OutputError(f"{run.folder} has no probe {own}; {there}{did_you_mean(own, probes)}")
+    if sampler_of(probes[own].type).has_many_points:
+        raise OutputError(
+            f"probe {own} is a {probes[own].type}: its columns are of many points, and no curves "
+            "in time; give a probe of the type point"
+        )
     columns = [one.name for one in columns_of(probes[own], run.case.dimension)]
     if column not in columns:
         raise OutputError(
@@ -180,27 +192,32 @@ def _curve(run: Run, probe: Probe, column: str, span: float | None) -> ProbeCurv
     if time.size == 0:
         return None
     impulse = np.nan
+    has_impulse = unit in WITH_IMPULSE and not column.endswith(EXTREMES)
+    low, high = (
+        table[column + ending][known] if column + ending in table else values for ending in EXTREMES
+    )
     if column.startswith(sampler.averaged):
-        if unit in WITH_IMPULSE:
+        if has_impulse:
             impulse = float(np.sum(values[1:] * np.diff(time)))
         time = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1])])
-    elif unit in WITH_IMPULSE:
+    elif has_impulse:
         impulse = float(np.trapezoid(values, time))
     over = SMOOTHED * probe.interval if span is None else span
     smooth = running_mean(time, values, over)
-    return ProbeCurve(probe.name, column, unit, time, values, smooth, impulse, over)
+    return ProbeCurve(probe.name, column, unit, time, values, smooth, impulse, over, low, high)
 
 
 def figures_of(curve: ProbeCurve, window: tuple[float, float]) -> ProbeFigures:
     """Return the figures of a curve, with mean and deviation within a window of time, s."""
-    peak = int(np.argmax(np.abs(curve.values)))
+    farthest = np.where(np.abs(curve.least) > np.abs(curve.greatest), curve.least, curve.greatest)
+    peak = int(np.argmax(np.abs(farthest)))
     inside = curve.values[is_within(curve.time, window)]
     return ProbeFigures(
         probe=curve.probe,
         column=curve.column,
         unit=curve.unit,
         arrival=_arrival(curve),
-        peak=float(curve.values[peak]),
+        peak=float(farthest[peak]),
         peak_time=float(curve.time[peak]),
         smooth_peak=float(curve.smooth[np.argmax(np.abs(curve.smooth))]),
         impulse=curve.impulse,

@@ -11,9 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, load_case
+from debrisflow.case.probes import AnyProbe
+from debrisflow.case.probes.grid import GridProbe
+from debrisflow.case.probes.line import LineProbe
 from debrisflow.errors import OutputError
+from debrisflow.particles.seeding import wall_particles
 from debrisflow.results.data_table import DataTable
 from debrisflow.results.frames import Frame, read_frame
+from debrisflow.results.grids import read_grid
+from debrisflow.results.surfaces import Surface, free_surface
 from debrisflow.run import deposit, history, maxima
 from debrisflow.run.folder import (
     CASE,
@@ -26,7 +32,7 @@ from debrisflow.run.folder import (
     read_summary,
 )
 from debrisflow.run.probes import columns_of
-from debrisflow.run.tables import read_table, rows_where
+from debrisflow.run.tables import Table, read_table, rows_where
 from debrisflow.run.vtu import read_collection
 from debrisflow.space.plan_grid import plan
 
@@ -117,6 +123,18 @@ class Run:
             yield read_frame(time, file)
 
     @cached_property
+    def walls(self) -> Floats:
+        """Return the places of particles by which the walls can be drawn, (n, 3), m."""
+        return wall_particles(self.case).position
+
+    def surface(self, time: float = np.inf) -> Surface:
+        """Return the free surface in the frame nearest to a time, s; in the last one by default.
+
+        See :func:`debrisflow.results.surfaces.free_surface`.
+        """
+        return free_surface(self.frame(time), self.case, self.walls)
+
+    @cached_property
     def history(self) -> DataTable:
         """Return ``history.csv``: a float64 array by column name, rows from t = 0 on."""
         table = read_table(self.folder / HISTORY, needed=history.COLUMNS)
@@ -143,18 +161,44 @@ class Run:
     def probe(self, name: str) -> DataTable:
         """Return the samples of a probe: a float64 array by column name.
 
+        Those of a line have a row for each time and point.
+
         Raises
         ------
         OutputError
             If the case has no probe of that name, or its file is missing or damaged.
         """
+        probe, spacing = self._probe(name), self.case.particles.spacing
+        if isinstance(probe, GridProbe):
+            raise OutputError(f"the probe '{name}' is a grid; read it with: grid('{name}')")
+        table = read_table(self.folder / PROBES / f"{name}.csv")
+        if isinstance(probe, LineProbe):
+            rows = np.arange(table["time"].size)
+            whole = rows.size - rows.size % probe.count(spacing)  # others are still being written
+            table = rows_where(table, rows < whole)
+        columns = columns_of(probe, self.case.dimension)
+        return DataTable(table, {"time": "s"} | {c.name: c.full_unit for c in columns})
+
+    def grid(self, name: str) -> Table:
+        """Return the samples of a probe on a grid, see :func:`debrisflow.results.grids.read_grid`.
+
+        Raises
+        ------
+        OutputError
+            If the case has no grid of that name, or a file is missing or damaged.
+        """
+        probe = self._probe(name)
+        if not isinstance(probe, GridProbe):
+            raise OutputError(f"the probe '{name}' is no grid; read it with: probe('{name}')")
+        listing = self.folder / PROBES / f"{name}.pvd"
+        return read_grid(listing, probe, self.case.particles.spacing)
+
+    def _probe(self, name: str) -> AnyProbe:
         probes = {probe.name: probe for probe in self.case.probe}
         if name not in probes:
             there = f"but {', '.join(probes)}" if probes else "since its case has none"
             raise OutputError(f"{self.folder} has no probe '{name}', {there}")
-        table = read_table(self.folder / PROBES / f"{name}.csv")
-        columns = columns_of(probes[name], self.case.dimension)
-        return DataTable(table, {"time": "s"} | {c.name: c.full_unit for c in columns})
+        return probes[name]
 
     @cached_property
     def summary(self) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -15,12 +15,14 @@ from debrisflow.errors import OutputError
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
 from debrisflow.run.deposit import DepositWriter
+from debrisflow.run.grid_file import grid_files
 from debrisflow.run.history import HistoryWriter
 from debrisflow.run.maxima import write_maxima
 from debrisflow.run.measures import DepositProfile
-from debrisflow.run.probe import ProbeWriter, is_probe_file
-from debrisflow.run.probes import columns_of
-from debrisflow.run.vtu import FOLDER, Collection
+from debrisflow.run.probe import is_probe_file
+from debrisflow.run.probes import sampler_of
+from debrisflow.run.tables import Row
+from debrisflow.run.vtu import FOLDER, Collection, write_particles
 from debrisflow.run.walls_file import WALLS, write_walls
 
 CASE = "case.toml"
@@ -34,6 +36,7 @@ CHECKPOINT = "checkpoint.h5"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
 PICTURES = "render"
+SURFACES = "surface.pvd"
 RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
 DERIVED = (
     "answers.csv",
@@ -49,12 +52,15 @@ DERIVED = (
     "budget.png",
     "deposit.png",
     "front.png",
+    "grids.png",
     "hydrographs.png",
+    "lines.png",
     "maxima.png",
     "normalized_profiles.png",
     "probes.png",
     "profiles.png",
     "report.html",
+    SURFACES,
 )
 
 
@@ -86,9 +92,7 @@ class RunFolder:
         if case.probe:
             (path / PROBES).mkdir(exist_ok=True)
         self._probes = {
-            probe.name: ProbeWriter(
-                path / PROBES / f"{probe.name}.csv", probe, columns_of(probe, case.dimension)
-            )
+            probe.name: sampler_of(probe.type).writer(path / PROBES, probe, case.dimension)
             for probe in case.probe
         }
         self.log = logging.getLogger("debrisflow")
@@ -151,7 +155,7 @@ class RunFolder:
             write_walls(self.path / WALLS, self.case)
         if self.case.dimension == 3:
             rows = slice(0, p.inflow.stop)
-        self._frames.append(state.time, p, rows)
+        self._frames.append(state.time, lambda file: write_particles(file, p, rows))
         self.write_maxima(state)
 
     def write_maxima(self, state: State) -> None:
@@ -166,9 +170,9 @@ class RunFolder:
         """Append a row of :func:`debrisflow.run.history.history_row`."""
         self._history.write(row)
 
-    def write_probe(self, name: str, time: float, sample: Sequence[float]) -> None:
-        """Append the sample of a probe at a time, s."""
-        self._probes[name].write(time, sample)
+    def write_probe(self, name: str, time: float, rows: Iterable[Row]) -> None:
+        """Append the rows of a sample of a probe at a time, s."""
+        self._probes[name].write(time, rows)
 
     def write_summary(self, summary: Mapping[str, Any]) -> None:
         """Write the summary of a run that has ended."""
@@ -216,6 +220,7 @@ def _results(path: Path) -> Iterator[Path]:
     """Yield the files in a folder that a run has written, including unfinished ones."""
     tables_and_logs = [path / name for name in RESULTS]
     probes = [file for file in path.glob(f"{PROBES}/*.csv") if is_probe_file(file)]
+    probes += grid_files(path / PROBES)
     derived = [path / POSTPROCESS / name for name in DERIVED]
     for file in (*tables_and_logs, *probes, *derived):
         for written in (file, file.with_name(file.name + UNFINISHED)):
@@ -224,6 +229,7 @@ def _results(path: Path) -> Iterator[Path]:
     for folder, name in (
         (FOLDER, r"\d{6,}\.vtu"),
         (PICTURES, r"(side|plan|perspective)_\w+\.(png|gif)"),
+        (f"{POSTPROCESS}/{Path(SURFACES).stem}", r"\d{6,}\.vtp"),
     ):
         ours = re.compile(f"{name}({re.escape(UNFINISHED)})?")
         yield from (file for file in path.glob(f"{folder}/*") if ours.fullmatch(file.name))
@@ -244,7 +250,10 @@ def _clear(path: Path, overwrite: bool) -> None:
         )
     for file in results:
         file.unlink()
-    for folder in (path / name for name in (FOLDER, PROBES, POSTPROCESS, PICTURES)):
+    folders = {file.parent for file in results} | {
+        path / name for name in (FOLDER, PROBES, POSTPROCESS, PICTURES)
+    }
+    for folder in sorted(folders - {path}, reverse=True):  # those inside others first
         if folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
 

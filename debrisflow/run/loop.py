@@ -283,8 +283,8 @@ class _Run:
         with self.clock.of(PROBES):
             for name, schedule in self.samples.items():
                 if schedule.passed_due(before, self.state.time):
-                    row = self.probes[name].sample(self.state)
-                    self.results.write_probe(name, self.state.time, row)
+                    rows = self.probes[name].rows(self.state)
+                    self.results.write_probe(name, self.state.time, rows)
 
     @contextmanager
     def _polite_interrupt(self) -> Iterator[None]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,8 @@ from debrisflow.case.probe import Probe
 from debrisflow.neighbors.patches import Patch
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
-from debrisflow.run.tables import Series
+from debrisflow.run.row_statistics import EXTREMES
+from debrisflow.run.tables import Row, Series
 
 Floats = NDArray[np.float64]
 _TIME = "time: s; end of the step in which the sample was due"
@@ -78,12 +79,15 @@ class Sampler:
         Its row in ``state.patch_force``.
     averaged : tuple of str
         Columns that begin like one of these are means since the row before.
+    has_many_points : bool
+        Whether a sample has a row for each of many points, so that columns are no curves in time.
     """
 
     sum_shape: tuple[int, ...] | None = None
     patch: Patch | None = None
     patch_row = 0
     averaged: tuple[str, ...] = ()
+    has_many_points = False
 
     def __init__(self, probe: Probe, case: ResolvedCase, particles: Particles) -> None:
         """Check the place of the probe; raise a CaseError if the run finds it wrong."""
@@ -104,6 +108,15 @@ class Sampler:
         """Return the columns that plots and figures show; none if others show its samples."""
         return ()
 
+    @classmethod
+    def writer(cls, folder: Path, probe: Probe, dimension: int) -> ProbeOutput:
+        """Return the file of its samples in the folder of the probes."""
+        return ProbeWriter(folder / f"{probe.name}.csv", probe, cls.columns(dimension))
+
+    def rows(self, state: State) -> Iterable[Row]:
+        """Return the rows of a sample: one, unless it has many points."""
+        return [self.sample(state)]
+
     def sample(self, state: State) -> tuple[float, ...]:
         """Return the values of the columns."""
         raise NotImplementedError
@@ -112,9 +125,35 @@ class Sampler:
         """Add the last step to the running sum."""
 
 
+def extreme_columns(columns: Sequence[Column]) -> list[Column]:
+    """Return the columns of the least and greatest values of some columns, two for each.
+
+    The values are those of single steps since the row before.
+    """
+    meaning = "least and greatest of the steps since the row before"
+    return [
+        Column(column.name + ending, column.unit, meaning, column.reference)
+        for column in columns
+        for ending in EXTREMES
+    ]
+
+
 def volume_unit(dimension: int) -> str:
     """Return the unit of a volume: m2, per meter of width, in two dimensions."""
     return f"m{dimension}"
+
+
+class ProbeOutput(Protocol):
+    """What writes the samples of a probe; files that are there already are continued."""
+
+    def write(self, time: float, rows: Iterable[Row]) -> None:
+        """Append the rows of a sample at a time, s."""
+
+    def truncate_after(self, time: float) -> None:
+        """Remove the samples later than a time, s."""
+
+    def close(self) -> None:
+        """Close all files."""
 
 
 class ProbeWriter(Series):
@@ -132,9 +171,9 @@ class ProbeWriter(Series):
         head = [_title(path, f"{probe.type}, {probe.where()} (m)"), _TIME, *_meanings(columns)]
         super().__init__(path, ("time", *(column.name for column in columns)), head)
 
-    def write(self, time: float, sample: Sequence[float]) -> None:
-        """Append a sample at a time, s."""
-        self.append([(time, *sample)])
+    def write(self, time: float, rows: Iterable[Row]) -> None:
+        """Append the rows of a sample at a time, s."""
+        self.append((time, *map(float, row)) for row in rows)
 
 
 def is_probe_file(path: Path) -> bool:

@@ -1,8 +1,10 @@
-"""Particle files for ParaView and pyvista: a VTU file a frame, and a PVD file with their times."""
+"""Files for ParaView and pyvista: the particles of a frame, meshes, a PVD file with their times."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import meshio
@@ -12,6 +14,9 @@ from debrisflow.errors import OutputError
 from debrisflow.particles.arrays import ARRAYS
 from debrisflow.particles.record import Particles
 from debrisflow.run.atomic import replaced
+
+if TYPE_CHECKING:
+    import pyvista
 
 FOLDER = "vtu"
 
@@ -54,45 +59,63 @@ def read_collection(path: Path) -> list[tuple[float, Path]]:
         raise OutputError(f"{path} is damaged: {error}") from error
 
 
-class Collection:
-    """The frames of a run: ``vtu/NNNNNN.vtu`` and the PVD beside that folder.
+def write_collection(path: Path, frames: Iterable[tuple[float, Path]]) -> None:
+    """Write a PVD that lists files at times, s; they lie in folders beside it."""
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+    collection = ElementTree.SubElement(root, "Collection")
+    for time, file in frames:
+        name = file.relative_to(path.parent).as_posix()
+        ElementTree.SubElement(
+            collection, "DataSet", timestep=repr(float(time)), part="0", file=name
+        )
+    ElementTree.indent(root)
+    with replaced(path) as unfinished:
+        ElementTree.ElementTree(root).write(unfinished, encoding="utf-8", xml_declaration=True)
 
-    The PVD lists a frame only when its file is complete, so that a running run can be opened.
+
+class Collection:
+    """A series of files, ``FOLDER/NNNNNN.vtu``, and the PVD beside that folder.
+
+    The PVD lists a file only when it is complete, so that a running run can be opened.
 
     Parameters
     ----------
     path : Path
         The PVD; one that is there already is continued.
+    folder : str
+        Name of the folder of the files.
+    ending : str
+        Of the names of the files.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, folder: str = FOLDER, ending: str = "vtu") -> None:
+        self.path, self._folder, self._ending = path, path.parent / folder, ending
         self.frames = read_collection(path) if path.exists() else []
-        self._write()
+        write_collection(path, self.frames)
 
-    def append(self, time: float, particles: Particles, rows: slice = slice(None)) -> None:
-        """Write a frame at a time, s; of some rows only, if they are given."""
-        file = self.path.parent / FOLDER / f"{len(self.frames):06d}.vtu"
-        write_particles(file, particles, rows)
+    def append(self, time: float, write: Callable[[Path], None]) -> None:
+        """Add a file at a time, s; the function writes it."""
+        file = self._folder / f"{len(self.frames):06d}.{self._ending}"
+        write(file)
         self.frames.append((time, file))
-        self._write()
+        write_collection(self.path, self.frames)
 
     def drop_after(self, time: float) -> None:
-        """Remove the frames later than a time, s."""
+        """Remove the files later than a time, s."""
         dropped = [file for at, file in self.frames if at > time]
         self.frames = [frame for frame in self.frames if frame[0] <= time]
-        self._write()
+        write_collection(self.path, self.frames)
         for file in dropped:
             file.unlink(missing_ok=True)
 
-    def _write(self) -> None:
-        root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
-        collection = ElementTree.SubElement(root, "Collection")
-        for time, file in self.frames:
-            name = f"{FOLDER}/{file.name}"
-            ElementTree.SubElement(
-                collection, "DataSet", timestep=repr(float(time)), part="0", file=name
-            )
-        ElementTree.indent(root)
-        with replaced(self.path) as unfinished:
-            ElementTree.ElementTree(root).write(unfinished, encoding="utf-8", xml_declaration=True)
+
+def write_mesh(path: Path, mesh: pyvista.DataSet) -> None:
+    """Write a mesh in the XML format of VTK that fits its type."""
+    from vtkmodules.vtkIOXML import vtkXMLDataSetWriter
+
+    with replaced(path) as unfinished:
+        writer = vtkXMLDataSetWriter()
+        writer.SetFileName(str(unfinished))
+        writer.SetInputData(mesh)
+        if not writer.Write():
+            raise OutputError(f"cannot write {path}: no space is left, or the folder is read-only")

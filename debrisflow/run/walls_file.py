@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.errors import OutputError
-from debrisflow.run.atomic import replaced
+from debrisflow.run.vtu import write_mesh
 from debrisflow.space.scene import scene_of, section_lines
 
 if TYPE_CHECKING:
@@ -31,15 +30,7 @@ def write_walls(path: Path, case: ResolvedCase) -> None:
     path : Path
     case : ResolvedCase
     """
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
-
-    mesh = _polygons(case) if case.dimension == 3 else _lines(case)
-    with replaced(path) as unfinished:
-        writer = vtkXMLPolyDataWriter()
-        writer.SetFileName(str(unfinished))
-        writer.SetInputData(mesh)
-        if not writer.Write():
-            raise OutputError(f"cannot write {path}: no space is left, or the folder is read-only")
+    write_mesh(path, _polygons(case) if case.dimension == 3 else _lines(case))
 
 
 def _lines(case: ResolvedCase) -> pyvista.PolyData:

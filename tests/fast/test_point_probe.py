@@ -27,6 +27,12 @@ def moving(dimension, **place):
     return case, state
 
 
+def sampled(case, sampler, state):
+    """Return a sample by the names of its columns."""
+    names = [column.name for column in sampler.columns(case.dimension)]
+    return dict(zip(names, sampler.sample(state), strict=True))
+
+
 @pytest.mark.parametrize(
     ("dimension", "place"),
     [
@@ -39,18 +45,22 @@ def moving(dimension, **place):
 )
 def test_a_linear_field_is_exact_anywhere(dimension, place):
     case, state = moving(dimension, **dict(zip("xyz", place, strict=False)))
-    *velocity, pressure, concentration, wet = samplers(case, state)["gauge"].sample(state)
+    found = sampled(case, samplers(case, state)["gauge"], state)
+    velocity = [found[f"velocity_{axis}"] for axis in "xyz"[:dimension]]
+    pressure, concentration, wet = (found[name] for name in ("pressure", "concentration", "wet"))
     expected = 1.0 + np.array(place) @ SLOPES[:dimension, :dimension]
     np.testing.assert_allclose(velocity, expected, rtol=1e-9)
     assert pressure == pytest.approx(500.0 - 700.0 * place[-1], rel=1e-9)
     assert (concentration, wet) == (0.0, 1.0)
+    assert found["pressure_least"] == found["pressure_greatest"] == pressure
 
 
-def test_a_dry_point_has_no_flow():
-    case, state = moving(2, x=0.05, y=0.15)
-    *values, wet = samplers(case, state)["gauge"].sample(state)
-    assert np.isnan(values).all()
-    assert wet == 0.0
+@pytest.mark.parametrize("y", [0.15, 0.112])  # no particle near, and one within two spacings
+def test_a_dry_point_has_no_flow(y):
+    case, state = moving(2, x=0.05, y=y)
+    found = sampled(case, samplers(case, state)["gauge"], state)
+    assert found.pop("wet") == 0.0
+    assert np.isnan(list(found.values())).all()
 
 
 def test_a_row_is_the_mean_over_the_time_that_the_point_was_wet():
@@ -63,9 +73,11 @@ def test_a_row_is_the_mean_over_the_time_that_the_point_was_wet():
         p.velocity[p.fluid, 0] = speed or 0.0
         p.position[p.fluid, 1] += 1.0 * (step == 3)  # away, and dry from now on
         sampler.add_step(state)
-    velocity, _, _, _, wet = sampler.sample(state)
-    assert velocity == pytest.approx(2.0)
-    assert wet == pytest.approx(0.5)
+    found = sampled(case, sampler, state)
+    assert found["velocity_x"] == pytest.approx(2.0)
+    assert found["velocity_x_least"] == pytest.approx(1.0)  # not the zeros of dry steps
+    assert found["velocity_x_greatest"] == pytest.approx(3.0)
+    assert found["wet"] == pytest.approx(0.5)
 
 
 def test_a_lone_particle_is_the_flow_where_it_is():

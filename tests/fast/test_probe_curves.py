@@ -38,7 +38,15 @@ def of_run(path, late=0.0):
     probes = path / "probes"
     probes.mkdir(exist_ok=True)
     for name, columns in (
-        ("gauge", {"pressure": 0.5 * pulse(TIME - late), "reaction": pulse(TIME - late)}),
+        (
+            "gauge",
+            {
+                "pressure": 0.5 * pulse(TIME - late),
+                "reaction": pulse(TIME - late),
+                "reaction_least": 0.0 * TIME,
+                "reaction_greatest": 1.5 * pulse(TIME - late),
+            },
+        ),
         ("level", {"height": np.full(TIME.size, 0.1), "filled_height": 0.1 + 0.0 * TIME}),
     ):
         rows = np.column_stack([TIME, *columns.values()])
@@ -79,7 +87,18 @@ def test_a_running_mean_keeps_straight_lines_and_the_integral_of_a_pulse():
 
 
 def curve_of(values, span=0.1, unit="Pa", time=TIME):
-    return ProbeCurve("p", "c", unit, time, values, running_mean(time, values, span), np.nan, span)
+    smooth = running_mean(time, values, span)
+    return ProbeCurve("p", "c", unit, time, values, smooth, np.nan, span, values, values)
+
+
+def test_the_peak_is_that_of_single_steps_where_the_probe_keeps_them():
+    values = 0.6 * pulse(TIME)
+    curve = curve_of(values)._replace(least=values - 900.0, greatest=pulse(TIME))
+    row = figures_of(curve, (0.0, 1.0))
+    assert (row.peak, row.peak_time) == pytest.approx((1000.0, 0.5))
+    assert row.smooth_peak < 600.0
+    row = figures_of(curve._replace(least=-2.0 * pulse(TIME)), (0.0, 1.0))
+    assert row.peak == pytest.approx(-2000.0)
 
 
 def test_a_pulse_has_its_peak_arrival_and_deviation():
@@ -123,7 +142,7 @@ def test_probes_have_a_table_and_a_plot(folder, found):
         ("gauge", "pressure", "Pa"),
         ("level", "filled_height", "m"),
     ]
-    assert [float(row["peak"]) for row in rows] == pytest.approx([1000.0, 500.0, 0.1])
+    assert [float(row["peak"]) for row in rows] == pytest.approx([1500.0, 500.0, 0.1])
     impulses = [float(row["impulse"]) for row in rows]
     assert impulses[:2] == pytest.approx([100.0, 50.0])
     assert np.isnan(impulses[2])
@@ -231,7 +250,7 @@ def test_runs_are_compared_by_the_probes_that_they_share(tmp_path, folder):
     together, files = compare(runs, tmp_path / "comparison")
     assert "probes.png" in {file.name for file in files}
     known = {quantity: values for _, quantity, _, values in together.figures}
-    assert known["gauge_reaction_peak"] == pytest.approx([1000.0, 1000.0])
+    assert known["gauge_reaction_peak"] == pytest.approx([1500.0, 1500.0])
     first, second = known["gauge_reaction_arrival"]
     assert second - first == pytest.approx(0.1, abs=0.011)
 

@@ -20,6 +20,7 @@ from debrisflow.space.domain import FLOOR, wall_names
 from debrisflow.space.gravity import gravity_vector
 
 D0 = 0.05
+OF_STEPS = ("_mean", "_least", "_greatest")
 
 
 def still_water(dimension, probes, depth=0.5, obstacle=(), closed=False, **tables):
@@ -61,9 +62,13 @@ def still_water(dimension, probes, depth=0.5, obstacle=(), closed=False, **table
 
 
 def samples(case, state):
-    """Return the sample of every probe of a case."""
-    measures = samplers(case, state)
-    return [np.array(measure.sample(state)) for measure in measures.values()]
+    """Return the sample of every probe of a case, without what only the steps before it tell."""
+    found = []
+    for measure in samplers(case, state).values():
+        names = [column.name for column in measure.columns(case.dimension)]
+        row = zip(names, measure.sample(state), strict=True)
+        found.append(np.array([value for name, value in row if not name.endswith(OF_STEPS)]))
+    return found
 
 
 def forces_at_rest(case, state):
@@ -254,8 +259,26 @@ def test_the_impulse_is_the_sum_of_the_force_over_the_steps_since_the_start():
         state.wall_force[FLOOR] = share * push
         wall.add_step(state)
     sample = np.array(wall.sample(state))
-    np.testing.assert_allclose(sample[-2:], push[:2] * (0.1 + 3.0 * 0.05), rtol=1e-12)
+    np.testing.assert_allclose(sample[3:5], push[:2] * (0.1 + 3.0 * 0.05), rtol=1e-12)
     np.testing.assert_allclose(sample[:3], push[[0, 1, 5]] * 0.25 / 0.15, rtol=1e-12)
+    extremes = np.sort(np.outer(push[[0, 1, 5]], [1.0, 3.0]), axis=1)
+    np.testing.assert_allclose(sample[5:].reshape(3, 2), extremes, rtol=1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_filled_height_has_its_mean_least_and_greatest_between_two_rows(dimension):
+    place = {"x": 0.5} | ({"y": 0.3} if dimension == 3 else {})
+    case, state = still_water(dimension, [{"type": "height"} | place])
+    p, (gauge,) = state.particles, samplers(case, state).values()
+    gauge.sample(state)
+    high = p.position[p.fluid, dimension - 1] > 0.4
+    for time, dt, shift in [(0.1, 0.1, -1.0), (0.15, 0.05, 1.0), (0.2, 0.05, 0.0)]:
+        state.time, state.dt = time, dt
+        p.position[p.fluid, 0] += np.where(high, shift, 0.0)  # aside, and back
+        gauge.add_step(state)
+    _, filled, *found = gauge.sample(state)
+    assert filled == pytest.approx(0.5)
+    np.testing.assert_allclose(found, [0.45, 0.4, 0.5], rtol=1e-12)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -190,7 +190,8 @@ def test_a_probe_gives_the_mean_since_the_row_before():
     np.testing.assert_allclose(found[:3], [7.0, 0.0, 2.0])
     # the moment about (1, 0, 0) of 2 N along z is 2 N m about -y less
     np.testing.assert_allclose(found[3:6], [0.0, 3.0 + 2.0, 1.0])
-    np.testing.assert_allclose(found[6:], [7.0, 0.0, 2.0])
+    np.testing.assert_allclose(found[6:9], [7.0, 0.0, 2.0])
+    np.testing.assert_allclose(found[9:15], [4.0, 8.0, 0.0, 0.0, 2.0, 2.0])  # least and greatest
 
 
 def test_a_patch_gives_its_mean_reaction_since_the_row_before():
@@ -207,4 +208,5 @@ def test_a_patch_gives_its_mean_reaction_since_the_row_before():
     for dt, push in [(0.25, 4.0), (0.75, 8.0)]:
         state.time, state.dt, state.patch_force[1] = state.time + dt, dt, [push, 0.0, 0.0]
         sampler.add_step(state)
-    assert sampler.sample(state)[1] == pytest.approx(7.0 / 0.2**2)
+    area = 0.2**2
+    assert sampler.sample(state)[1:] == pytest.approx((7.0 / area, 4.0 / area, 8.0 / area))

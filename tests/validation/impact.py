@@ -115,7 +115,7 @@ def run(spacing: float, end: float = 1.4) -> Impact:
             continue
         count = int(state.time / INTERVAL)
         levels = [measures[name].sample(state)[1] for name in GAUGES]
-        rows.append([state.time, *levels, *measures["p2"].sample(state)])
+        rows.append([state.time, *levels, *measures["p2"].sample(state)[:2]])
         greatest = max(greatest, energy(case, state))
         start = start or greatest
     names = ("time", *GAUGES, "p2", "reaction_p2")

@@ -167,7 +167,7 @@ def run(spacing: float = 0.05, end: float = 2.0, overrides: tuple[str, ...] = ()
         count = int(state.time / MEAN_OVER * SAMPLES)
         samples = {name: measures[name].sample(state) for name in (*GAUGES, *PRESSURES)}
         levels = np.array([samples[name] for name in GAUGES])
-        pressures = np.array([samples[name] for name in PRESSURES])
+        pressures = np.array([samples[name][:2] for name in PRESSURES])
         rows.append([state.time, *levels[:, 1], *levels[:, 0], *pressures.T.ravel()])
         greatest = max(greatest, energy(case, state))
         start = start or greatest

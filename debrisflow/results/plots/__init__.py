@@ -12,6 +12,7 @@ from debrisflow.results.plots.curves import (
     normalized_figure,
     profile_figure,
 )
+from debrisflow.results.plots.fields import grid_figure, line_figure
 from debrisflow.results.plots.maps import deposit_figure, maxima_figure
 from debrisflow.results.plots.probes import curves_to_draw, probe_figure
 from debrisflow.results.plots.style import caption, save, styled
@@ -27,7 +28,9 @@ DESCRIPTIONS = {
         "concentration, above the bed."
     ),
     "hydrographs": "What went through the stations and sections.",
-    "probes": "Samples of the probes, and their running means.",
+    "probes": "Samples of the probes, their running means, and the extremes of single steps.",
+    "lines": "Speed and pressure along the lines of probes, over the time; gray where it is dry.",
+    "grids": "Speed and pressure on the grids of probes, at the last time; gray where it is dry.",
     "deposit": "Height of what lies at rest, and of the flow.",
     "maxima": "Greatest depth and speed, and when the flow arrived.",
     "budget": "Mass by matter and the error of its balance, energies, and forces along x.",
@@ -60,6 +63,10 @@ def draw(
                 f"Probes: samples, and means over {span}",
                 probe_figure(curves, given),
             )
+        if (lines := line_figure(found.run)) is not None:
+            figures["lines"] = ("Probes along lines, over the time", lines)
+        if (grids := grid_figure(found.run)) is not None:
+            figures["grids"] = ("Probes on grids, at the last time", grids)
         return [
             save(figure, target / f"{name}.png", title, source)
             for name, (title, figure) in figures.items()

@@ -33,13 +33,17 @@ def curves_to_draw(found: Survey, given: Sequence[Reference]) -> list[ProbeCurve
 
 
 def probe_figure(curves: Sequence[ProbeCurve], given: Sequence[Reference]) -> Figure:
-    """Return the samples of probes, a panel each, with running means and references."""
+    """Return the samples of probes, a panel each, with running means, extremes and references."""
     parts = [list(part) for _, part in groupby(curves, lambda one: one.probe)]
     shown = parts[:MOST_PANELS]
     figure, axes = panels(len(shown), height=HEIGHT, sharex=True)
     for part, one in zip(shown, axes, strict=True):
         for curve, color in zip(part, CYCLE, strict=False):
             words = curve.column.replace("_", " ")
+            if np.any(curve.least < curve.greatest):
+                one.fill_between(
+                    curve.time, curve.least, curve.greatest, color=color, alpha=0.15, linewidth=0.0
+                )
             one.plot(curve.time, curve.values, color=color, linewidth=THIN, alpha=0.5)
             one.plot(curve.time, curve.smooth, color=color, label=words)
             name = _key(curve)

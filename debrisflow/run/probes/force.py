@@ -9,8 +9,8 @@ from debrisflow.case import ResolvedCase
 from debrisflow.case.probes.force import ForceProbe
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
-from debrisflow.run import row_mean
-from debrisflow.run.probe import Column, Sampler
+from debrisflow.run import row_statistics
+from debrisflow.run.probe import Column, Sampler, extreme_columns
 from debrisflow.run.wall_pressure import force, pressure_on, wall_faces
 from debrisflow.space.domain import wall_names
 
@@ -18,12 +18,12 @@ Floats = NDArray[np.float64]
 
 
 class WallForce(Sampler):
-    """Force and moment on a whole wall, the means over the steps since the sample before.
+    """Force and moment on a whole wall: mean, least, greatest of the steps since the row before.
 
     What the wall does to the fluid; where walls are particles, the pressure on its faces.
     """
 
-    sum_shape = row_mean.sum_shape(6)
+    sum_shape = row_statistics.sum_shape(6)
     averaged = ("force", "moment")
 
     def __init__(self, probe: ForceProbe, case: ResolvedCase, particles: Particles) -> None:
@@ -52,11 +52,10 @@ class WallForce(Sampler):
         push += "; in the form study of the pressure"
         push += f"; mean since the row before, in the first row {at_start}"
         impulse = "of that force since t = 0, summed over all steps"
-        return (
-            *(Column(f"force_{axis}", "N", push, width) for axis in axes),
-            *(Column(f"moment_{axis}", "N m", about, width) for axis in turning),
-            *(Column(f"impulse_{axis}", "N s", impulse, width) for axis in axes),
-        )
+        pushes = [Column(f"force_{axis}", "N", push, width) for axis in axes]
+        pushes += [Column(f"moment_{axis}", "N m", about, width) for axis in turning]
+        impulses = [Column(f"impulse_{axis}", "N s", impulse, width) for axis in axes]
+        return (*pushes, *impulses, *extreme_columns(pushes))
 
     @staticmethod
     def headline(dimension: int) -> tuple[str, ...]:
@@ -66,17 +65,18 @@ class WallForce(Sampler):
     def sample(self, state: State) -> tuple[float, ...]:
         """Return force, moment and impulse, N, N m, N s, in two dimensions per meter of width."""
         kept, axes = state.sums[self._name], self._case.dimension
-        mean = row_mean.mean_since_row(kept, state, self._push(state))
-        turning = mean[3:] if axes == 3 else mean[5:]
+        shown = [0, 1, 2, 3, 4, 5] if axes == 3 else [0, 1, 5]
+        row = row_statistics.since_row(kept, state, self._push(state))
+        extremes = np.column_stack([row.least, row.greatest])[shown]
         return (
-            *map(float, mean[:axes]),
-            *map(float, turning),
-            *map(float, row_mean.integrals(kept)[:axes]),
+            *map(float, row.mean[shown]),
+            *map(float, row_statistics.integrals(kept)[:axes]),
+            *map(float, extremes.ravel()),
         )
 
     def add_step(self, state: State) -> None:
         """Add the impulse of the last step; before t = 0 nothing is added."""
-        row_mean.add_step(state.sums[self._name], state, self._push(state))
+        row_statistics.add_step(state.sums[self._name], state, self._push(state))
 
     def _push(self, state: State) -> Floats:
         """Return the three components of the force, N, and of its moment, N m."""

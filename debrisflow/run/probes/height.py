@@ -12,13 +12,15 @@ from debrisflow.errors import CaseError
 from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import State
+from debrisflow.run import row_statistics
 from debrisflow.run.measures import LEAST_DENSITY_RATIO, piled
-from debrisflow.run.probe import Column, Sampler
+from debrisflow.run.probe import Column, Sampler, extreme_columns
 from debrisflow.space.domain import WALL_NAMES, domain
 from debrisflow.space.floor import is_over_floor
 from debrisflow.space.plan_grid import floor_ends
 
 Floats = NDArray[np.float64]
+MEAN = "filled_height_mean"
 UPWARD = 0.5  # upward part of the normal above which a wall carries what stands on it
 
 
@@ -35,8 +37,13 @@ class Height(Sampler):
       covers, so that the height does not jump when a particle enters, and is exact for particles
       on a lattice wherever the column stands.  Air in the column lowers it, spray raises it.
 
+    Of the filled height mean, least and greatest of the steps since the row before are kept too.
+
     The base ends at the ends of the space; keep it a spacing away from the sides of an obstacle.
     """
+
+    sum_shape = row_statistics.sum_shape(1)
+    averaged = (MEAN,)
 
     def __init__(self, probe: HeightProbe, case: ResolvedCase, particles: Particles) -> None:
         size = probe.side(case.particles.spacing)
@@ -63,18 +70,14 @@ class Height(Sampler):
     @staticmethod
     def columns(dimension: int) -> tuple[Column, ...]:
         """Return both heights."""
+        top = "top of the particles that follow each other upward"
+        filled = "volume of all particles in the column over the area of its base"
+        wetted = Column("filled_height", "m", filled)
         return (
-            Column(
-                "height",
-                "m",
-                "top of the particles that follow each other upward",
-                "above the wall below",
-            ),
-            Column(
-                "filled_height",
-                "m",
-                "volume of all particles in the column over the area of its base",
-            ),
+            Column("height", "m", top, "above the wall below"),
+            wetted,
+            Column(MEAN, "m", "of filled_height over the steps since the row before"),
+            *extreme_columns([wetted]),
         )
 
     @staticmethod
@@ -83,33 +86,54 @@ class Height(Sampler):
         return ("filled_height",)
 
     def sample(self, state: State) -> tuple[float, ...]:
-        """Return height and filled height, m."""
+        """Return height and filled height, and mean, least and greatest of the latter, m."""
         p, d0 = state.particles, self._d0
-        level = p.position[p.fluid, self._up] - self.base
-        offset = self._offset(p.position[p.fluid])
-        covered = np.minimum(offset + 0.5 * d0, self._upper) - np.maximum(
-            offset - 0.5 * d0, self._lower
-        )
-        share = np.prod(np.clip(covered, 0.0, None), axis=1)
-        filled = d0 * share[level > 0.0].sum() / np.prod(self._upper - self._lower)
-        inside = np.all((offset >= self._lower) & (offset < self._upper), axis=1) & (level > 0.0)
-        inside &= p.number_density[p.fluid] >= self._least_density
+        row, offset, level = self._column(state)
+        inside = np.all((offset >= self._lower) & (offset < self._upper), axis=1)
+        inside &= p.number_density[row] >= self._least_density
         column = np.zeros(int(np.count_nonzero(inside)), dtype=np.int64)
         pile = level[inside][piled(column, level[inside], d0)]
         height = pile.max() + 0.5 * d0 if pile.size else 0.0
-        return float(height), float(filled)
+        filled = self._filled(offset)
+        found = row_statistics.since_row(state.sums[self._name], state, filled)
+        return tuple(float(value) for value in (height, *filled, *np.concatenate(found)))
 
-    def _offset(self, position: Floats) -> Floats:
-        """Return the horizontal distance from the place, through the nearest image, m."""
-        offset = position[:, : self._up] - self._place
-        repeat = np.where(self._period > 0.0, self._period, np.inf)
-        return np.asarray(
-            offset - np.where(self._period > 0.0, self._period, 0.0) * np.rint(offset / repeat)
-        )
+    def add_step(self, state: State) -> None:
+        """Add the filled height of the last step."""
+        _, offset, _ = self._column(state)
+        row_statistics.add_step(state.sums[self._name], state, self._filled(offset))
+
+    def _column(self, state: State) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Return the fluid whose squares the base covers: rows, offsets, heights over its level."""
+        position = state.particles.position[state.particles.fluid]
+        row, offset = np.arange(len(position)), np.zeros((len(position), 0))
+        for axis in range(self._up):  # along x first: most are far away
+            away = self._offset(position[row, axis], axis)
+            near = (away > self._lower[axis] - 0.5 * self._d0) & (
+                away < self._upper[axis] + 0.5 * self._d0
+            )
+            row, offset = row[near], np.column_stack([offset[near], away[near]])
+        level = position[row, self._up] - self.base
+        return row[level > 0.0], offset[level > 0.0], level[level > 0.0]
+
+    def _filled(self, offset: Floats) -> Floats:
+        """Return the volume of the particles in the column over its area, (1,) array, m."""
+        half = 0.5 * self._d0
+        covered = np.minimum(offset + half, self._upper) - np.maximum(offset - half, self._lower)
+        share = np.prod(np.clip(covered, 0.0, None), axis=1)
+        return np.array([self._d0 * share.sum() / np.prod(self._upper - self._lower)])
+
+    def _offset(self, coordinate: Floats, axis: int) -> Floats:
+        """Return the distance along an axis from the place, through the nearest image, m."""
+        offset, period = coordinate - self._place[axis], self._period[axis]
+        return np.asarray(offset - period * np.rint(offset / period) if period > 0.0 else offset)
 
     def _base(self, walls: Particles, case: ResolvedCase) -> float:
         """Return the level of the highest wall under the place that faces upward, m."""
-        under = np.all(np.abs(self._offset(walls.position)) <= (0.5 + 1e-6) * self._d0, axis=1)
+        under = np.ones(walls.count, dtype=bool)
+        for axis in range(self._up):
+            away = np.abs(self._offset(walls.position[:, axis], axis))
+            under &= away <= (0.5 + 1e-6) * self._d0
         x, y, _ = walls.position.T
         under &= is_over_floor(case, x, y)  # not a rim
         under &= (walls.kind == Kind.WALL) & (walls.wall_normal[:, self._up] > UPWARD)

@@ -13,8 +13,8 @@ from debrisflow.errors import CaseError
 from debrisflow.neighbors.patches import Patch, shares
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
-from debrisflow.run import row_mean
-from debrisflow.run.probe import Column, Sampler
+from debrisflow.run import row_statistics
+from debrisflow.run.probe import Column, Sampler, extreme_columns
 from debrisflow.run.wall_pressure import (
     OF_STEP,
     Faces,
@@ -38,7 +38,7 @@ class PatchPressure(Sampler):
     nan on a mesh, whose patch is that of cells and not of its triangles.
     """
 
-    sum_shape = row_mean.sum_shape(1)
+    sum_shape = row_statistics.sum_shape(1)
     averaged = ("reaction",)
 
     def __init__(self, probe: PressureProbe, case: ResolvedCase, particles: Particles) -> None:
@@ -82,9 +82,11 @@ class PatchPressure(Sampler):
         at_start = "that of the step before" if dimension == 2 else "that at rest"
         mean = f"mean since the row before, in the first row {at_start}"
         other = "in the form study the pressure, on a mesh none"
+        pushed = Column("reaction", "Pa", f"{reaction}; {mean}; {other}")
         return (
             Column("pressure", "Pa", f"mean over the patch, 0 where it is dry; {OF_STEP}"),
-            Column("reaction", "Pa", f"{reaction}; {mean}; {other}"),
+            pushed,
+            *extreme_columns([pushed]),
         )
 
     @staticmethod
@@ -93,19 +95,21 @@ class PatchPressure(Sampler):
         return ("reaction", "pressure")
 
     def sample(self, state: State) -> tuple[float, ...]:
-        """Return the mean pressure and the reaction, Pa."""
+        """Return the mean pressure, and mean, least and greatest reaction, Pa."""
         pressure = float(self._share @ pressure_on(self._faces, self._case, state))
         pressure /= float(self._share.sum())
         if self.patch is None:
-            return pressure, np.nan if self._is_mesh else pressure
+            return pressure, *(3 * [np.nan if self._is_mesh else pressure])
         now = self._reaction(state, self.patch)
-        (reaction,) = row_mean.mean_since_row(state.sums[self._name], state, now)
-        return pressure, float(reaction)
+        row = row_statistics.since_row(state.sums[self._name], state, now)
+        return pressure, *(float(reaction) for (reaction,) in row)
 
     def add_step(self, state: State) -> None:
         """Add the reaction of the last step."""
         if self.patch is not None:
-            row_mean.add_step(state.sums[self._name], state, self._reaction(state, self.patch))
+            row_statistics.add_step(
+                state.sums[self._name], state, self._reaction(state, self.patch)
+            )
 
     def _reaction(self, state: State, patch: Patch) -> Floats:
         push = -state.patch_force[self.patch_row] @ patch.normal
