@@ -6,10 +6,10 @@ import os
 from math import pi
 from pathlib import Path
 
-from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle
+from debrisflow.case.bodies import MeshFill, MeshObstacle
 from debrisflow.case.regions import (
+    boxes_among,
     covered,
-    occupied,
     recess,
     section_of_supply,
     surface_of,
@@ -79,8 +79,7 @@ def estimate(
     areas = [area for part in fill if (area := covered(part, geometry, particles))]
     supply = inflow.depth if inflow and isinstance(geometry, Channel) else 0.0
     # Divided twice, since the square of a very small spacing would be zero.
-    solids = [occupied(body) for body in obstacle if isinstance(body, BoxObstacle)]
-    fluid = volume_left(areas, solids) / spacing / spacing
+    fluid = volume_left(areas, boxes_among(obstacle, 2)) / spacing / spacing
     waiting = supply / spacing * layers + supply * _length(geometry) / spacing / spacing
     wall = 0.0
     if scheme.form == "study":
@@ -116,7 +115,7 @@ def _estimate_in_three(
         for part in fill
         if not isinstance(part, MeshFill) and (area := covered(part, geometry, particles))
     ]
-    solids = [occupied(body) for body in obstacle if isinstance(body, BoxObstacle)]
+    solids = boxes_among(obstacle, 3)
     meshes = sum(surface_of(part).volume for part in fill if isinstance(part, MeshFill))
     fluid = (volume_left(boxes, solids) + meshes) / spacing / spacing / spacing
     waiting = 0.0

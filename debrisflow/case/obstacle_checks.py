@@ -69,22 +69,14 @@ def polygons_closed(obstacle: Obstacles) -> Problems:
             yield Problem(f"obstacle.{k}.corners", fault)
 
 
-def obstacles_of_particles(
-    scheme: AnyScheme, particles: Particles, obstacle: Obstacles
-) -> Problems:
-    """Check that walls of particles, in the form study, can represent the obstacles."""
+def polygons_of_surfaces(scheme: AnyScheme, obstacle: Obstacles) -> Problems:
+    """Check that polygons are no walls of particles."""
     if scheme.form != "study":
         return
     for k, body in enumerate(obstacle):
         if isinstance(body, PolygonObstacle):
             message = "walls of particles follow the lattice; set scheme.form = 'stable'"
             yield Problem(f"obstacle.{k}.type", message, body.type)
-        if not isinstance(body, BoxObstacle):
-            continue
-        for axis, extent in zip("xyz", body.extents, strict=False):
-            if 0 < extent[1] - extent[0] < (1 - TOLERANCE) * particles.spacing:
-                message = f"not resolved: must be at least one spacing of {particles.spacing:g} m"
-                yield Problem(f"obstacle.{k}.{axis}", message, extent)
 
 
 def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacles) -> Problems:
@@ -134,7 +126,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     obstacles_of_dimension,
     obstacles_named,
     polygons_closed,
-    obstacles_of_particles,
+    polygons_of_surfaces,
     obstacles_inside,
     obstacles_apart,
     meshes_resolved,

@@ -147,6 +147,12 @@ def occupied(part: AnyObstacle | MeshFill) -> Region:
     return Region(tuple(e[0] for e in part.extents), tuple(e[1] for e in part.extents))
 
 
+def boxes_among(obstacle: Sequence[AnyObstacle], dimension: int) -> list[Region]:
+    """Return the extents of the obstacles that are boxes and have the dimension of the space."""
+    boxes = [occupied(body) for body in obstacle if isinstance(body, BoxObstacle)]
+    return [region for region in boxes if len(region.lower) == dimension]
+
+
 def lattice_points(mesh: MeshFill | MeshObstacle, particles: Particles) -> NDArray[np.int64] | None:
     """Return the cells whose centers a mesh encloses, None where they are too many.
 
@@ -189,11 +195,14 @@ def shared_space(
 
 def fault_of(polygon: PolygonObstacle) -> str:
     """Return what is wrong with a polygon; empty if nothing is."""
+    x, y = np.array(polygon.corners).T
+    if abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)) <= TOLERANCE * np.ptp(x) * np.ptp(y):
+        return "encloses nothing: its corners lie on a line, or its sides cross"
     shape = shapely.Polygon(polygon.corners)
     if not shapely.is_valid(shape):
-        reason, _, place = shapely.is_valid_reason(shape).partition("[")
-        return f"{reason.lower()} at ({place.rstrip(']').replace(' ', ', ')}) m"
-    return "" if shape.area > 0.0 else "encloses nothing: its corners lie on a line"
+        _, _, place = shapely.is_valid_reason(shape).partition("[")
+        return f"its sides cross or touch at ({place.rstrip(']').replace(' ', ', ')}) m"
+    return ""
 
 
 def _outline(body: AnyFill | AnyObstacle) -> shapely.Polygon:

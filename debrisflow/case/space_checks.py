@@ -15,6 +15,7 @@ from debrisflow.case.regions import (
     WALL_SHIFT,
     WEIR_SPACINGS,
     bed_end,
+    boxes_among,
     covered,
     least_period,
     occupied,
@@ -296,12 +297,7 @@ def fills_left(
     geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
 ) -> Problems:
     """Check that obstacles and later fills leave something of every fill."""
-    axes = 3 if is_three_dimensional(geometry) else 2
-    boxes = [
-        occupied(body)
-        for body in obstacle
-        if isinstance(body, BoxObstacle) and len(body.extents) == axes
-    ]
+    boxes = boxes_among(obstacle, 3 if is_three_dimensional(geometry) else 2)
     areas = [covered(part, geometry, particles) for part in fill]
     for k, (part, area) in enumerate(zip(fill, areas, strict=True)):
         if isinstance(part, MeshFill) or area is None or area.volume <= 0:

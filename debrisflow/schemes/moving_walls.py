@@ -9,7 +9,7 @@ from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.boundary import WallMotion
 from debrisflow.neighbors.boxes import Boxes
 from debrisflow.neighbors.elements import Elements
-from debrisflow.space.bodies import Body
+from debrisflow.space.bodies import bodies_of
 from debrisflow.space.domain import WALL_NAMES
 from debrisflow.space.scene import trajectories
 
@@ -22,9 +22,8 @@ class MovingWalls:
     Parameters
     ----------
     case : ResolvedCase
-    bodies : list of Body
-        Of the boxes, in their order.
     boxes : Boxes
+        Of all bodies of the case, in their order.
     elements : Elements
         Both as at the start; changed by :meth:`place`.
 
@@ -37,15 +36,13 @@ class MovingWalls:
         The greatest of a moving obstacle at the time of the last :meth:`place`.
     """
 
-    def __init__(
-        self, case: ResolvedCase, bodies: list[Body], boxes: Boxes, elements: Elements
-    ) -> None:
+    def __init__(self, case: ResolvedCase, boxes: Boxes, elements: Elements) -> None:
         self._ways = trajectories(case)
         self._boxes, self._elements = boxes, elements
         self._at_start = boxes.origin.copy(), boxes.axes.copy()
         surface = elements.corners, elements.middle, elements.inner, elements.normal
         self._elements_at_start = tuple(array.copy() for array in surface)
-        number = np.array([body.number for body in bodies])
+        number = np.array([body.number for body in bodies_of(case)])
         self._own = {wall: np.flatnonzero(number == wall) for wall in self._ways}
         self._own_elements = {wall: elements.number == wall for wall in self._ways}
         self.moves_elements = any(own.any() for own in self._own_elements.values())

@@ -27,20 +27,24 @@ SAMPLES = 5  # least number of places along each side of a face by which it is f
 TOUCHING = 1e-6  # spacings
 
 
-def surfaces_of(
+def surfaces_of(case: ResolvedCase, skin: float) -> Surfaces:
+    """Return the walls of a case, for lists with at most a skin, spacings."""
+    return walls_of(case, skin)[0]
+
+
+def walls_of(
     case: ResolvedCase, skin: float, ground: HeightField | None = None
 ) -> tuple[Surfaces, MovingWalls]:
     """Return the walls of a case, for lists with at most a skin, spacings, and what moves of them.
 
     In three dimensions a ground may lie over its floor.
     """
-    radius, bodies = case.particles.effective_radius, bodies_of(case)
-    boxes = boxes_of(case, bodies)
+    radius, boxes = case.particles.effective_radius, boxes_of(case)
     if case.dimension == 3:
         elements = elements_from(*pieces_of(case, PULLED_BACK))
     else:
         elements = elements_of_sides(sides_of(case))
-    moving = MovingWalls(case, bodies, boxes, elements)
+    moving = MovingWalls(case, boxes, elements)
     surfaces = Surfaces(
         boxes=boxes,
         table=octants(radius) if case.dimension == 3 else quadrants(radius),
@@ -54,8 +58,9 @@ def surfaces_of(
     return surfaces, moving
 
 
-def boxes_of(case: ResolvedCase, bodies: list[Body]) -> Boxes:
-    """Return the record of the walls and box obstacles of a case, given as bodies."""
+def boxes_of(case: ResolvedCase) -> Boxes:
+    """Return the record of the walls and box obstacles of a case."""
+    bodies = bodies_of(case)
     ends = np.array([(body.x, body.y, body.z) for body in bodies])
     reach = case.particles.effective_radius * case.particles.spacing
     number = np.empty(ends.shape, dtype=np.int64)

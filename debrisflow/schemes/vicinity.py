@@ -16,7 +16,7 @@ from debrisflow.neighbors.pairs import Near, repeats_of
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.neighbors.wall_shares import share_drag
 from debrisflow.particles.record import Particles
-from debrisflow.schemes.surfaces import surfaces_of
+from debrisflow.schemes.surfaces import walls_of
 from debrisflow.schemes.wall_particles import solid_of
 from debrisflow.space.domain import Domain
 
@@ -116,7 +116,7 @@ class ListAndSurfaces:
         self._shares_drag = shares_drag
         self._lattice, self._period = lattice, domain.period
         self._lists = Neighbors(lattice.effective_radius, lattice.spacing, domain.period)
-        self._surfaces, self._moving = surfaces_of(case, GREATEST_SKIN, ground)
+        self._surfaces, self._moving = walls_of(case, GREATEST_SKIN, ground)
         self._skin = SKIN
 
     @property

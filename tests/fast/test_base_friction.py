@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from debrisflow.neighbors.boundary import FACES
 from debrisflow.neighbors.lattice import reference
 from debrisflow.physics.base_friction import (
     BaseFriction,
@@ -108,7 +109,7 @@ def test_the_exchange_of_momentum_is_held_by_the_same_friction():
 
 def test_a_moving_wall_carries_along_what_it_holds():
     law, solid = of_law(sliding=0.5, roughness=0.01), on_floor(0.2)
-    moving = solid._replace(velocity=np.tile(0.7 * ALONG, (solid.slip.size, 1)))
+    moving = solid._replace(velocity=np.tile(0.7 * ALONG, (1, FACES, 1)))
     velocity, reaction = 1.5 * ALONG[None], 10.0 * UP[None]
     hold, carried, still = np.empty((1, 6)), np.empty((1, 3)), np.empty((1, 6))
     hold_along_walls(0.01, velocity, reaction, law, columns(1), SPACING, moving, hold, carried)

@@ -12,6 +12,7 @@ from debrisflow.results import open_run
 from debrisflow.results.data_table import DataTable
 from debrisflow.run.folder import RunFolder
 from debrisflow.run.history import history_row, units
+from debrisflow.run.probes import columns_of
 from tests.recording import (
     cells,
     channel3d_case,
@@ -34,7 +35,9 @@ def opened(folder, dimension):
     record(folder, case, sliding(case, placed(case, block, velocity=1.0), [0.0, 0.1, 0.2]))
     with RunFolder.open(folder, case) as written:
         for time in (0.0, 0.1):
-            written.write_probe("push", time, [time + 1.0] * {2: 5, 3: 9}[dimension])
+            written.write_probe(
+                "push", time, [[time + 1.0] * len(columns_of(case.probe[0], dimension))]
+            )
     return open_run(folder)
 
 
