@@ -2,7 +2,7 @@
 
 A wall in two dimensions is rows of particles at the depths 1/2, 3/2, ... spacings under its
 surface, see :mod:`debrisflow.neighbors.half_plane`.  Those of a polygon are the sides of the
-polygons inside it, whose corners lie on the bisectors of its own.
+polygons inside it and the walls that it stands on, whose corners lie on the bisectors of its own.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import PolygonObstacle
 from debrisflow.space.bodies import bodies_of
 from debrisflow.space.domain import WALL_NAMES, domain, wall_layers
+from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
 WIDEST = 0.5
@@ -61,8 +62,10 @@ def sides_of(case: ResolvedCase) -> Sides:
         if part.motion is None:
             surface = surface[~_on_walls(surface, case)]
         depths = (np.arange(wall_layers(case)) + 0.5) * d0
-        inner = [shape.buffer(-depth, join_style="mitre", mitre_limit=SHARPEST) for depth in depths]
+        whole = shapely.union_all([shape, *(_walls(shape, case) if part.motion is None else ())])
+        inner = [whole.buffer(-depth, join_style="mitre", mitre_limit=SHARPEST) for depth in depths]
         rows = _cut(np.concatenate([_sides(one) for one in inner]), d0)
+        rows = rows[in_polygon(part, rows.mean(axis=1))]
         for shift in shifts:
             for pieces, are_faces in ((surface, True), (rows, False)):
                 ends.append(pieces + np.array([shift, 0.0]))
@@ -73,6 +76,30 @@ def sides_of(case: ResolvedCase) -> Sides:
         np.concatenate([np.zeros(0, dtype=np.int64), *number]),
         np.concatenate([np.zeros(0, dtype=np.bool_), *is_face]),
     )
+
+
+def _walls(shape: shapely.Polygon, case: ResolvedCase) -> list[shapely.Polygon]:
+    """Return the walls that stand still, as far as rows under the surface of a polygon see them.
+
+    Rows lie under the surface of a polygon and what it stands on as one: under a base there are
+    none, which a wedge, thin at its toe, would not have room for.
+    """
+    reach = (wall_layers(case) + 1) * case.particles.spacing
+    x, y, far_x, far_y = shape.buffer(reach, join_style="mitre").bounds
+    size, around = 4.0 * (far_x - x + far_y - y), shapely.box(x, y, far_x, far_y)
+    moving = trajectories(case)
+    found = []
+    for body in bodies_of(case):
+        if body.number in moving:
+            continue
+        middle = (np.array([0.5 * (x + far_x), 0.5 * (y + far_y), 0.0]) - body.origin) @ body.axes.T
+        lower = np.maximum([body.x[0], body.y[0]], middle[:2] - size)
+        upper = np.minimum([body.x[1], body.y[1]], middle[:2] + size)
+        if np.all(lower < upper):
+            own = shapely.get_coordinates(shapely.box(*lower, *upper))
+            corners = np.array(body.origin)[:2] + own @ body.axes[:2, :2]
+            found.append(shapely.Polygon(corners) & around)
+    return found
 
 
 def in_polygon(part: PolygonObstacle, places: Floats) -> NDArray[np.bool_]:
