@@ -78,11 +78,14 @@ def _told_distance(one: Distance) -> str:
     if not one.points:
         return curve + "the run has no points within its range"
     shift = band = ""
-    if not np.isnan(one.shift):
+    if one.shift == 0.0:
+        shift = "; moving the run in time brings it no nearer"
+    elif not np.isnan(one.shift):
         shift = f"; {one.shifted_rms:.3g} if the run is moved by {one.shift:+.3g} s"
     if not np.isnan(one.in_band):
         band = f"; {one.in_band:.0%} of the points within the band"
-    return f"{curve}rms {one.rms:.3g} at {one.points} points{shift}{band}"
+    share = "" if np.isnan(one.share) else f" ({one.share:.1%} of the reference's range)"
+    return f"{curve}rms {one.rms:.3g}{share} at {one.points} points{shift}{band}"
 
 
 def _write_tables(

@@ -23,8 +23,8 @@ ABSCISSAS = (NORMALIZED, "y", "z", "time", "x")
 POOLED = "mean of the stations"
 FEWEST_POINTS = 3
 BAND = (".low", ".high")
-GREATEST_SHIFT, SHIFTS = 0.1, 201
-"""Share of the time of a reference by which a curve is shifted at most, and how many are tried."""
+GREATEST_SHIFT, SHIFTS = 0.1, 100
+"""Share of the time of both curves by which one is shifted at most, and how many are tried."""
 
 
 class Reference(NamedTuple):
@@ -72,7 +72,8 @@ class Distance(NamedTuple):
         ``rms`` over the range of the values of the reference.
     shift, shifted_rms : float
         Of a curve in time: by how many seconds it is moved to come nearest, at most by a tenth of
-        the time of the reference, and the ``rms`` then, at the points that stay within its range.
+        the time that it has in common with the reference, and the ``rms`` then, at the points that
+        stay within the range of the reference.
     in_band : float
         Share of the points within the band of the reference; nan without one.
     """
@@ -94,7 +95,7 @@ HEAD = (
     "  of y_over_h without the one at the surface, and none where fewer than three are left",
     "rms: in the unit of the curve; share: rms over the range of the values of the reference",
     "shift, shifted_rms: s, by which a curve in time is moved to come nearest, at most by a tenth",
-    "  of the time of the reference, and rms then, at the points that stay within its range;",
+    "  of the time of both curves, and rms then, at the points that stay within its range;",
     "  in_band: share of the points within its band; of probes the running mean is compared",
 )
 
@@ -258,11 +259,14 @@ def _best_shift(x: Floats, values: Floats, at: Floats, exact: Floats) -> tuple[f
     At the points that stay within the range of the other one whichever way they are moved; of two
     times that are as good the shorter one.
     """
-    most = GREATEST_SHIFT * float(at[-1] - at[0])
-    stays = ~np.isnan(values) & (x - most >= at[0]) & (x + most <= at[-1])
+    known = ~np.isnan(values)
+    start, end = max(at[0], x[known].min()), min(at[-1], x[known].max())
+    most = GREATEST_SHIFT * max(float(end - start), 0.0)
+    stays = known & (x - most >= at[0]) & (x + most <= at[-1])
     if np.count_nonzero(stays) < FEWEST_POINTS:
         return np.nan, np.nan
-    shifts = sorted(np.linspace(-most, most, SHIFTS), key=abs)
+    later = np.linspace(0.0, most, SHIFTS + 1)
+    shifts = sorted((*later, *-later[1:]), key=abs)
     errors = [_rms(x[stays] + shift, values[stays], at, exact) for shift in shifts]
     best = int(np.argmin(errors))
     return float(shifts[best]), errors[best]

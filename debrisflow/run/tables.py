@@ -73,7 +73,10 @@ def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Ta
         rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
         return dict(zip(names, rows.T.copy(), strict=True))
     except ValueError as error:
-        wanted = "rows are numbers, as many as there are names, with commas between them"
+        wanted = (
+            "rows are numbers, as many as there are names, with commas between them, and nan where "
+            "there is none"
+        )
         raise OutputError(f"{path} is damaged: {str(error).rstrip('.')}; {wanted}") from error
 
 

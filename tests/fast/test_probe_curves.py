@@ -180,6 +180,22 @@ def test_a_shift_does_not_win_by_leaving_out_the_worst_point(tmp_path, found):
     assert row.shift == 0.0
 
 
+def test_a_shift_is_a_share_of_the_time_that_run_and_reference_have_in_common(tmp_path, found):
+    given = reference(tmp_path / "flume.csv", gauge__pressure=0.5 * pulse(TIME - 0.05))
+    longer = {name: np.append(values, values[-1]) for name, values in given.table.items()}
+    longer["time"][-1] = 20.0 * TIME[-1]
+    (row,) = distances(found, given._replace(table=longer))
+    assert (row.shift, row.shifted_rms) == pytest.approx((0.05, 0.0), abs=1e-9)
+
+
+def test_a_shift_that_brings_nothing_is_none(found, tmp_path):
+    given = reference(tmp_path / "own.csv", gauge__pressure=0.5 * pulse(TIME))
+    _, lines = postprocess(found, [given])
+    (line,) = (line for line in lines if "gauge.pressure" in line)
+    assert "rms 0 (0.0% of the reference's range) at" in line
+    assert line.endswith("moving the run in time brings it no nearer")
+
+
 def test_every_column_of_a_probe_can_be_compared_and_is_drawn(tmp_path, found):
     given = reference(tmp_path / "wire.csv", level__height=0.1 + 0.0 * TIME)
     (row,) = distances(found, given)

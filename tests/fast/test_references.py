@@ -102,6 +102,7 @@ def test_a_column_that_we_do_not_have_is_told(tmp_path, found, text, message):
         ("time,front_all\n1,1\n0,2\n", r"bad\.csv: its first column, time, does not increase"),
         ("station,velocity\n0,1\n1,2\n", r"bad\.csv: its first column is station, and should be"),
         ("time;front_all\n0;1\n", r"bad\.csv is damaged: .* with commas between them"),
+        ("time,front_all,p.x\n0,1,\n", r"bad\.csv is damaged: .*, and nan where there is none"),
         ("time,front_all\n", r"bad\.csv has no rows"),
         ("time,front_all", r"bad\.csv has no rows"),
         ("", r"bad\.csv is damaged: it names no columns"),

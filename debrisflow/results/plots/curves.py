@@ -75,7 +75,7 @@ def front_figure(found: Survey, given: Sequence[Reference]) -> Figure:
             shown = [name for name in reference.curves if name in table]
             for name, line in zip(shown, LINES, strict=False):
                 axes = speed if name.startswith("speed") else place
-                draw_reference(axes, reference, name, f"{reference.name}: {name}", "black", line)
+                draw_reference(axes, reference, name, f"{reference.name}: {name}", GREEN, line)
     place.set_ylabel("front x, m")
     speed.set(xlabel="time, s", ylabel="speed of the front, m/s")
     legend(place, speed)
