@@ -9,17 +9,20 @@ from debrisflow.case.words import did_you_mean
 from debrisflow.errors import CaseError, OutputError
 
 SCHEMA = "case.schema.json"
+EXPERIMENTS = "experiments"
+"""Folder of the cases that have measurements to compare with beside them."""
 
 
 def templates() -> dict[str, Path]:
-    """Return the shipped case files by name.
+    """Return the shipped case files by name, as ``flume2d`` or ``experiments/zhou``.
 
     A wheel carries them inside the package; in a source tree they stand beside it.
     """
     package = Path(__file__).parents[1]
     for folder in (package / "cases", package.parent / "cases"):
         if folder.is_dir():
-            return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+            found = sorted(folder.glob("*.toml")) + sorted(folder.glob(f"{EXPERIMENTS}/*.toml"))
+            return {path.relative_to(folder).with_suffix("").as_posix(): path for path in found}
     return {}
 
 
@@ -32,7 +35,9 @@ def titles() -> dict[str, str]:
 
 
 def start_case(target: Path, template: str) -> list[Path]:
-    """Copy a shipped case, what it names and its schema, and return what was written.
+    """Copy a shipped case, what belongs to it and its schema, and return what was written.
+
+    To it belong the files that it names and, of an experiment, the table of the measurements.
 
     Raises
     ------
@@ -43,28 +48,32 @@ def start_case(target: Path, template: str) -> list[Path]:
     """
     known = templates()
     if template not in known:
-        hint = did_you_mean(template, known)
+        inside = f"{EXPERIMENTS}/{template}"
+        hint = f"; did you mean '{inside}'?" if inside in known else did_you_mean(template, known)
         there = ", ".join(known) or "none were installed"
         raise CaseError(f"no template '{template}'{hint}\ntemplates: {there}")
     source = known[template]
-    copies = {source: target}
-    supply = tomllib.loads(source.read_text(encoding="utf-8")).get("inflow", {}).get("hydrograph")
-    if isinstance(supply, str):
-        copies[source.parent / supply] = target.parent / supply
-    schema = source.parent / SCHEMA
+    is_experiment = source.parent.name == EXPERIMENTS
+    text = source.read_text(encoding="utf-8")
+    copies = {target: text.replace("#:schema ../", "#:schema ./", 1)}
+    supply = tomllib.loads(text).get("inflow", {}).get("hydrograph")
+    for name in (supply, f"{source.stem}.csv" if is_experiment else None):
+        if isinstance(name, str):
+            copies[target.parent / name] = (source.parent / name).read_text(encoding="utf-8")
+    schema = (source.parents[1] if is_experiment else source.parent) / SCHEMA
     if schema.is_file() and not (target.parent / SCHEMA).exists():
-        copies[schema] = target.parent / SCHEMA
-    for copy in copies.values():
+        copies[target.parent / SCHEMA] = schema.read_text(encoding="utf-8")
+    for copy in copies:
         if copy.exists():
             raise OutputError(f"{copy}: is there already; choose another name")
-    for original, copy in copies.items():
-        _write(copy, original.read_bytes())
-    return list(copies.values())
+    for copy, content in copies.items():
+        _write(copy, content)
+    return list(copies)
 
 
-def _write(path: Path, content: bytes) -> None:
+def _write(path: Path, content: str) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+        path.write_text(content, encoding="utf-8", newline="\n")
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {(error.strerror or '').lower()}") from error

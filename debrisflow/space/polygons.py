@@ -17,7 +17,6 @@ from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import PolygonObstacle
 from debrisflow.space.bodies import bodies_of
 from debrisflow.space.domain import WALL_NAMES, domain, wall_layers
-from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
 WIDEST = 0.5
@@ -87,7 +86,8 @@ def _walls(shape: shapely.Polygon, case: ResolvedCase) -> list[shapely.Polygon]:
     reach = (wall_layers(case) + 1) * case.particles.spacing
     x, y, far_x, far_y = shape.buffer(reach, join_style="mitre").bounds
     size, around = 4.0 * (far_x - x + far_y - y), shapely.box(x, y, far_x, far_y)
-    moving = trajectories(case)
+    obstacles = enumerate(case.obstacle, start=len(WALL_NAMES))
+    moving = {number for number, part in obstacles if part.motion is not None}
     found = []
     for body in bodies_of(case):
         if body.number in moving:

@@ -87,7 +87,14 @@ class TestInit:
         (shipped / "flume2d.toml").write_text("# kept\n" + CHANNEL)
         (shipped / "supply2d.toml").write_text('[inflow]\nhydrograph = "q.csv"\n')
         (shipped / "q.csv").write_text("time,discharge,concentration\n0,0.01,0\n")
+        (shipped / "experiments").mkdir()
+        (shipped / "experiments/lake.toml").write_text(
+            '#:schema ../case.schema.json\ntitle = "a"\n'
+        )
+        (shipped / "experiments/lake.csv").write_text("time,front_all\n0,0.1\n")
+        (shipped / "case.schema.json").write_text("{}")
         found = {path.stem: path for path in shipped.glob("*.toml")}
+        found["experiments/lake"] = shipped / "experiments/lake.toml"
         monkeypatch.setattr("debrisflow.case.templates.templates", lambda: found)
 
     def test_comments_are_kept(self, tmp_path: Path) -> None:
@@ -103,7 +110,24 @@ class TestInit:
 
         CliRunner().invoke(main, ["init", str(target), "--template", "supply2d"])
 
-        assert sorted(path.name for path in target.parent.iterdir()) == ["mine.toml", "q.csv"]
+        there = ["case.schema.json", "mine.toml", "q.csv"]
+        assert sorted(path.name for path in target.parent.iterdir()) == there
+
+    def test_an_experiment_comes_with_its_measurements(self, tmp_path: Path) -> None:
+        target = tmp_path / "new" / "mine.toml"
+
+        result = CliRunner().invoke(main, ["init", str(target), "--template", "experiments/lake"])
+
+        assert result.exit_code == 0, result.output
+        there = ["case.schema.json", "lake.csv", "mine.toml"]
+        assert sorted(path.name for path in target.parent.iterdir()) == there
+        assert target.read_text().startswith("#:schema ./case.schema.json\n")
+
+    def test_an_experiment_without_its_folder(self, tmp_path: Path) -> None:
+        result = CliRunner().invoke(main, ["init", str(tmp_path / "x.toml"), "--template", "lake"])
+
+        assert result.exit_code == 2
+        assert "no template 'lake'; did you mean 'experiments/lake'?" in result.stderr
 
     def test_nothing_is_overwritten(self, tank: Path) -> None:
         result = CliRunner().invoke(main, ["init", str(tank)])
@@ -125,4 +149,4 @@ class TestInit:
 
         assert result.exit_code == 0
         assert "supply2d" in result.output
-        assert "flume2d   a flume with a bed" in result.output
+        assert "flume2d a flume with a bed" in " ".join(result.output.split())
