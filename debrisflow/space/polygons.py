@@ -60,9 +60,7 @@ def sides_of(case: ResolvedCase) -> Sides:
         surface = _cut(_sides(shape), d0)
         if part.motion is None:
             surface = surface[~_on_walls(surface, case)]
-        depths = (np.arange(wall_layers(case)) + 0.5) * d0
-        inner = [shape.buffer(-depth, join_style="mitre", mitre_limit=SHARPEST) for depth in depths]
-        rows = _cut(np.concatenate([_sides(one) for one in inner]), d0)
+        rows = _cut(np.concatenate(rows_of(part, case)), d0)
         for shift in shifts:
             for pieces, are_faces in ((surface, True), (rows, False)):
                 ends.append(pieces + np.array([shift, 0.0]))
@@ -73,6 +71,15 @@ def sides_of(case: ResolvedCase) -> Sides:
         np.concatenate([np.zeros(0, dtype=np.int64), *number]),
         np.concatenate([np.zeros(0, dtype=np.bool_), *is_face]),
     )
+
+
+def rows_of(part: PolygonObstacle, case: ResolvedCase) -> list[Floats]:
+    """Return the rows that fill a polygon, layer by layer from its surface, (n, 2, 2) arrays, m."""
+    shape, d0 = shapely.Polygon(part.corners), case.particles.spacing
+    depths = (np.arange(wall_layers(case)) + 0.5) * d0
+    return [
+        _sides(shape.buffer(-depth, join_style="mitre", mitre_limit=SHARPEST)) for depth in depths
+    ]
 
 
 def in_polygon(part: PolygonObstacle, places: Floats) -> NDArray[np.bool_]:
