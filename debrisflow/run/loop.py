@@ -219,12 +219,13 @@ class _Run:
         state, p = self.state, self.state.particles
         n0 = self.scheme.lattice.number_density
         if self.histories.is_due(state.time):
-            row = history_row(self.case, state, iterations, self.scheme.lattice)
+            found, d0 = flow(self.case, p, n0), self.case.particles.spacing
+            if state.time >= 0.0:
+                state.maxima.include(state.time, *found, spacing=d0)
+            reached = state.maxima.reached(found.depth, d0)
+            row = history_row(self.case, state, iterations, self.scheme.lattice, reached)
             self.results.write_history(row)
             self._set_threads()
-            if state.time >= 0.0:
-                found = flow(self.case, p, n0)
-                state.maxima.include(state.time, *found, spacing=self.case.particles.spacing)
         if self.deposits.is_due(state.time):
             profile = deposit_profile(
                 self.case,
