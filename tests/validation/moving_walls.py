@@ -133,7 +133,7 @@ def bore(rows: int, before: float = 0.2, behind: float = 0.36) -> Bore:
 
 
 def swing(rows: int, halves: int = 6, depth: float = 0.3, length: float = 1.0) -> Floats:
-    """Return how far the water of a tank swings to and fro in a standing wave, by half periods.
+    """Return how far the water of a tank swings back and forth in a standing wave, by half periods.
 
     The greatest displacement of its middle along x in each, over that of a wave of the amplitude of
     a tenth of the depth that is not damped.
