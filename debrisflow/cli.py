@@ -291,6 +291,7 @@ def report(
 @_stations
 @_window
 @_smooth
+@_references
 @click.option(
     "-o",
     "--output",
@@ -304,17 +305,20 @@ def compare(
     stations: tuple[float, ...],
     window: tuple[float, float] | None,
     smooth: float | None,
+    references: tuple[Path, ...],
     output: Path,
 ) -> None:
     """Compare runs: parameters that differ, figures, and the same curves in one plot."""
     from debrisflow.results import open_run
     from debrisflow.results.compare import compare, table_lines
+    from debrisflow.results.references import read_reference
     from debrisflow.results.survey import survey
 
     if len(folders) < 2:
         raise click.UsageError("two runs or more are needed to compare")
+    given = [read_reference(path) for path in references]
     found = [survey(open_run(f), stations, window, smoothing=smooth) for f in folders]
-    together, written = compare(found, output)
+    together, written = compare(found, output, given)
     for line in table_lines(together):
         click.echo(line)
     _print_files(written)

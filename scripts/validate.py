@@ -3,6 +3,7 @@
 python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
                            [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube] [heap]
                            [film3d] [deposit3d] [dams] [ground3d] [st_helens] [impact] [jet]
+                           [moving]
 
 ``fine_flume`` takes about an hour, ``marin`` and ``heap`` half an hour, ``collapse`` and ``flume``
 about ten minutes, the others five or less each.
@@ -32,6 +33,7 @@ from tests.validation import (
     granular_shear,
     hydrostatic,
     impact,
+    moving_walls,
     plate_jet,
     rough_film,
     settling,
@@ -136,6 +138,26 @@ def print_jet() -> None:
             f"{found.pressure.round(3).tolist()}, potential flow "
             f"{found.expected.round(3).tolist()}; by the fluid at the foot {found.by_fluid:.2f}"
         )
+
+
+def print_moving() -> None:
+    """Print fronts behind gates, the discharge under one, a bore and a standing wave."""
+    for speed in (None, 64.0, 16.0, 4.0, 1.0):
+        told = "no gate" if speed is None else f"gate at {speed:g} m/s"
+        front = moving_walls.front_after(speed)
+        click.echo(f"{told}: front {front / 0.01:.1f} spacings from the wall after 0.25 s")
+    for rows in (4, 8, 16):
+        found = moving_walls.sluice(rows)
+        click.echo(
+            f"sluice, {rows} rows over the opening: discharge over that of the orifice "
+            f"{found.drawn:.3f} while it is drawn, {found.open:.3f} open"
+        )
+    for rows in (10, 20):
+        wave = moving_walls.bore(rows)
+        click.echo(f"bore, {rows} rows: depth behind it {wave.depth:.4f}, path {wave.path:.3f}")
+    for rows in (15, 30):
+        swings = moving_walls.swing(rows).round(2).tolist()
+        click.echo(f"standing wave, {rows} rows: amplitude by half periods {swings}")
 
 
 def print_shear() -> None:
@@ -329,6 +351,7 @@ PARTS: dict[str, Callable[[], None]] = {
     "dam_break": print_dam_break,
     "impact": print_impact,
     "jet": print_jet,
+    "moving": print_moving,
     "shear": print_shear,
     "settling": print_settling,
     "collapse": print_collapse,

@@ -102,9 +102,11 @@ def record(path, case, states):
         for state in states:
             p = state.particles
             maxima = state.maxima if maxima is None else maxima
-            maxima.include(state.time, *flow(case, p, n0), spacing=d0)
+            found = flow(case, p, n0)
+            maxima.include(state.time, *found, spacing=d0)
             state.maxima = maxima
-            folder.write_history(history_row(case, state, 0, lattice))
+            reached = maxima.reached(found.depth, d0)
+            folder.write_history(history_row(case, state, 0, lattice, reached))
             arrays = p.position, p.velocity, p.kind, p.concentration, p.sediment_fraction
             folder.write_deposit(state.time, deposit_profile(case, *arrays, p.number_density, n0))
             folder.write_frame(state)

@@ -78,21 +78,30 @@ def _times(case: ResolvedCase) -> Iterator[str]:
             yield f"{name} = {interval:g} s: longer than the run, time.end = {end:g} s"
 
 
-def _rows(case: ResolvedCase) -> Iterator[str]:
-    spacing, up = case.particles.spacing, "yz"[case.dimension - 2]
-    depths = [
-        (f"fill.{number}", extent[1] - extent[0])
+def rows_over_depths(case: ResolvedCase) -> dict[str, int]:
+    """Return the rows of particles over the depths of blocks and supply, by their keys."""
+    return {name: round(depth / case.particles.spacing) for name, depth in _depths(case).items()}
+
+
+def _depths(case: ResolvedCase) -> dict[str, float]:
+    up = "yz"[case.dimension - 2]
+    depths = {
+        f"fill.{number}": extent[1] - extent[0]
         for number, part in enumerate(case.fill)
         if isinstance(part, Block) and (extent := getattr(part, up)) is not None
-    ]
+    }
     if case.inflow is not None:
-        depths.append(("inflow", case.inflow.depth))
-    for name, depth in depths:
-        rows = round(depth / spacing)
+        depths["inflow"] = case.inflow.depth
+    return depths
+
+
+def _rows(case: ResolvedCase) -> Iterator[str]:
+    depths = _depths(case)
+    for name, rows in rows_over_depths(case).items():
         if rows < FEWEST_ROWS:
             yield (
-                f"{name}: one row of particles over its depth of {depth:g} m; with two or more, "
-                f"particles.spacing = {depth / FEWEST_ROWS:.2g}, it has a profile"
+                f"{name}: one row of particles over its depth of {depths[name]:g} m; with two or "
+                f"more, particles.spacing = {depths[name] / FEWEST_ROWS:.2g}, it has a profile"
             )
 
 

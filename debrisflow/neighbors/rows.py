@@ -12,6 +12,10 @@ from debrisflow._jit import kernel
 from debrisflow.neighbors.half_plane import NEAREST
 from debrisflow.neighbors.quadrant import GX, GY, HX, HY, TXX, TXY, TYY, VX, VY, N
 
+IN_LINE = 1e-3
+"""Distance from the line of a row, in spacings, below which rounding spoils the sums beyond its
+end."""
+
 
 @kernel
 def along_row(y, h, radius):
@@ -41,17 +45,19 @@ def add_row(ax, ay, bx, by, nx, ny, radius, total):
     """Add the sums of a row from a to b, seen from the origin, with the normal n of its surface.
 
     A place nearer to the row than :data:`debrisflow.neighbors.half_plane.NEAREST` counts as that
-    far from it.
+    far from it; one in its line, beyond its end, as a little beside that.
     """
     side = -1.0 if ax * nx + ay * ny > 0.0 else 1.0
     ix, iy = -side * nx, -side * ny  # to the row
     tx, ty = -iy, ix
-    h = max(ax * ix + ay * iy, NEAREST)
+    h = ax * ix + ay * iy
     if h >= radius:
         return
     first, last = ax * tx + ay * ty, bx * tx + by * ty
     if first > last:
         first, last = last, first
+    beyond = max(first, -last, 0.0)
+    h = max(h, np.sqrt(max(NEAREST * NEAREST - beyond * beyond, IN_LINE * IN_LINE)))
     half = np.sqrt(radius * radius - h * h)
     first, last = max(first, -half), min(last, half)
     if first >= last:

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.particles.state import PHASES
-from debrisflow.results.fronts import arrival
+from debrisflow.particles.maxima import has_risen
+from debrisflow.results.fronts import PHASE_WORDS
 from debrisflow.results.stations import VOLUME, flow_probes
 from debrisflow.results.survey import Survey
 from debrisflow.run.history import PER_WIDTH
-from debrisflow.run.tables import Table, rows_where
+from debrisflow.run.tables import Table
 
 Floats = NDArray[np.float64]
 
@@ -37,6 +37,9 @@ class Answer(NamedTuple):
 
 COLUMNS = Answer._fields
 HEAD = ("figures of the run; nan where it gives no answer",)
+SECTION_ARRIVAL = (
+    "first sample with more gone through than back, and, where fluid was, half a spacing deeper"
+)
 EXTENT = {2: ("length", "m"), 3: ("area", "m2")}
 
 
@@ -48,49 +51,67 @@ def answers(found: Survey) -> list[Answer]:
 def answers_by_heading(found: Survey) -> dict[str, list[Answer]]:
     """Return the figures of a run by the headings under which they stand in a report."""
     return {
-        "Run-out": _runout(found),
-        "Arrival of the front": _arrivals(found),
+        "Run-out" if found.mobilities else "Motion": [*_motion(found), *_runout(found)],
         "Extent": _extent(found),
-        "Deposit and erosion": _deposit(found),
+        "Deposit and erosion": _deposit(found) if found.has_grains else [],
         "Sections": _sections(found),
-        "Stations": _stations(found),
         "Budgets": _budgets(found),
     }
 
 
-def _runout(found: Survey) -> list[Answer]:
-    flow, front = found.mobility, found.fronts
-    speeds = front["speed_all"][~np.isnan(front["speed_all"])]
-    bound = f"; {flow.bound}" if flow.bound else ""
-    farthest = f"greatest x of the front (99.5 % of what flows){bound}"
-    return [
+def _motion(found: Survey) -> list[Answer]:
+    front = found.fronts
+    rows = [
         Answer("last_frame_time", _at(front["time"], -1), "s", "up to which the run was measured"),
         Answer("moving_share_end", _at(front["moving_share"], -1), "-", "of the volume, then"),
         Answer(
             "rest_time", found.rest_time, "s", "from which on less than 1 % of the volume moves"
         ),
-        Answer("front_farthest", flow.toe, "m", farthest),
-        Answer("front_farthest_time", flow.time, "s", "when it was there"),
-        Answer("front_speed_greatest", _greatest(speeds), "m/s", "of the front, between frames"),
-        Answer("runout_length", flow.runout, "m", f"from the source to there, along x{bound}"),
-        Answer("fall_height", flow.fall, "m", "H, vertical, from the top of the source to there"),
-        Answer(
-            "travel_distance", flow.travel, "m", f"L, horizontal, from the source to there{bound}"
-        ),
-        Answer("equivalent_friction", flow.equivalent_friction, "-", f"H / L{bound}"),
     ]
+    if not found.mobilities:
+        rows.append(_front_speed(found, "all", "front_speed_greatest"))
+    return rows
 
 
-def _arrivals(found: Survey) -> list[Answer]:
-    history = found.run.history
-    present = [name for name in PHASES if not np.isnan(history[f"front_{name}"]).all()]
+def _front_speed(found: Survey, phase: str, name: str) -> Answer:
+    speeds = found.fronts[f"speed_{phase}"]
+    whose = "" if phase == "all" else f" of the {PHASE_WORDS[phase]}"
+    greatest = _greatest(speeds[~np.isnan(speeds)])
+    return Answer(name, greatest, "m/s", f"of the front{whose}, between frames")
+
+
+def _runout(found: Survey) -> list[Answer]:
+    """Return how far what flows came: the headline, and the water where that is beside it."""
     rows = []
-    for x in found.stations:
-        for phase in ("all", *(present if len(present) > 1 else ())):
-            name = f"arrival_at_{x:g}_m" if phase == "all" else f"{phase}_arrival_at_{x:g}_m"
-            when = arrival(history["time"], history[f"front_{phase}"], x)
-            meaning = f"when the front ({phase}) first came to x = {x:g} m"
-            rows.append(Answer(name, when, "s", meaning))
+    for phase, flow in found.mobilities.items():
+        name = "" if phase == found.headline else f"{PHASE_WORDS[phase]}_"
+        whose = "" if phase == "all" else f" of the {PHASE_WORDS[phase]}"
+        bound = f"; {flow.bound}" if flow.bound else ""
+        farthest = f"greatest x of the front{whose} (99.5 % of what flows){bound}"
+        rows += [
+            Answer(f"{name}front_farthest", flow.toe, "m", farthest),
+            Answer(f"{name}front_farthest_time", flow.time, "s", "when it was there"),
+            _front_speed(found, phase, f"{name}front_speed_greatest"),
+            Answer(
+                f"{name}runout_length",
+                flow.runout,
+                "m",
+                f"from the source to the farthest front{whose}, along x{bound}",
+            ),
+            Answer(
+                f"{name}fall_height",
+                flow.fall,
+                "m",
+                "H, vertical, from the top of the source to there",
+            ),
+            Answer(
+                f"{name}travel_distance",
+                flow.travel,
+                "m",
+                f"L, horizontal, from the source to there{bound}",
+            ),
+            Answer(f"{name}equivalent_friction", flow.equivalent_friction, "-", f"H / L{bound}"),
+        ]
     return rows
 
 
@@ -148,31 +169,31 @@ def _sections(found: Survey) -> list[Answer]:
     for probe in flow_probes(case):
         table = found.run.probe(probe.name)
         where = f"{probe.type} at {probe.where()} m"
-        rows += _flow_figures(probe.name, table, where, case.dimension)
-        passed = table["time"][table["volume"] > 0.0]
-        first = float(passed[0]) if passed.size else np.nan
-        meaning = "first sample with more gone through than back"
-        rows.append(Answer(f"{probe.name}_arrival", first, "s", meaning))
+        rows += _flow_figures(probe.name, table, where, found)
+        first = _section_arrival(table, case.particles.spacing)
+        rows.append(Answer(f"{probe.name}_arrival", first, "s", SECTION_ARRIVAL))
     return rows
 
 
-def _stations(found: Survey) -> list[Answer]:
-    rows, table = [], found.hydrographs
-    for x in found.stations:
-        part = rows_where(table, table["station"] == x)
-        where = f"at x = {x:g} m, from the frames"
-        rows += _flow_figures(f"at_{x:g}_m", part, where, found.run.case.dimension)
-    return rows
+def _section_arrival(table: Table, spacing: float) -> float:
+    """Return the first sample at which a flow has come to a section, s; nan if none has."""
+    arrived = table["volume"] > 0.0
+    if table["depth"].size and table["depth"][0] > 0.0:
+        arrived &= has_risen(table["depth"], table["depth"][0], spacing)
+    return float(table["time"][arrived][0]) if arrived.any() else np.nan
 
 
-def _flow_figures(name: str, table: Table, where: str, dimension: int) -> list[Answer]:
-    volume = VOLUME[dimension]
+def _flow_figures(name: str, table: Table, where: str, found: Survey) -> list[Answer]:
+    volume = VOLUME[found.run.case.dimension]
     rate = {"": table["discharge"], "sediment_": table["sediment_discharge"]}
     total = {"": table["volume"], "sediment_": table["sediment_volume"]}
     rate["water_"], total["water_"] = (part[""] - part["sediment_"] for part in (rate, total))
     peak = int(np.argmax(rate[""])) if rate[""].size else -1
     rows = [Answer(f"{name}_peak_time", _at(table["time"], peak), "s", f"of all, {where}")]
-    for matter, meaning in (("", "in all"), ("sediment_", "of grains"), ("water_", "of water")):
+    kinds = [("", "in all")]
+    if found.has_grains:
+        kinds += [("sediment_", "of grains"), ("water_", "of water")]
+    for matter, meaning in kinds:
         told = f"{meaning}, {where}"
         greatest = _greatest(rate[matter])
         rows += [
@@ -197,7 +218,7 @@ def _budgets(found: Survey) -> list[Answer]:
     per = PER_WIDTH[case.dimension]
     kilogram, joule = f"kg{per}", f"J{per}"
     rows = []
-    for matter in ("water", "sediment"):
+    for matter in ("water", "sediment") if found.has_grains else ("water",):
         for way, meaning in (
             ("in", "came in"),
             ("out", "left"),

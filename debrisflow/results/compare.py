@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -10,14 +10,18 @@ from typing import NamedTuple
 import numpy as np
 
 from debrisflow.errors import OutputError
+from debrisflow.results import references
 from debrisflow.results.answers import answers, answers_by_heading
 from debrisflow.results.parameters import differences
 from debrisflow.results.plots.comparison import draw_comparison
+from debrisflow.results.references import RUN, Distance, Reference, distances, told_distance
+from debrisflow.results.station_figures import COLUMNS, unit_of
+from debrisflow.results.stations import VOLUME
 from debrisflow.results.survey import Survey
-from debrisflow.run.tables import write_table
+from debrisflow.run.tables import Row, write_table
 
 ABSENT = "-"
-PROBES, MOST_PRINTED = "Probes", 30
+STATIONS, PROBES, MOST_PRINTED = "Stations", "Probes", 30
 VALUES = ("arrival", "peak", "peak_time", "smooth_peak", "impulse", "mean", "deviation")
 UNITS = {"arrival": "s", "peak_time": "s", "impulse": "{} s"}
 
@@ -34,6 +38,8 @@ class Comparison(NamedTuple):
     figures : list of tuple
         Heading, quantity, unit, value in each run, of the answers and of the probes that all runs
         have.
+    distances : list of (str, Distance)
+        Run, and how far it is from a curve of a reference.
     time : float, s
         The last that all runs have reached.
     """
@@ -41,10 +47,13 @@ class Comparison(NamedTuple):
     names: list[str]
     differing: list[tuple[str, ...]]
     figures: list[tuple[str, str, str, list[float]]]
+    distances: list[tuple[str, Distance]]
     time: float
 
 
-def compare(found: Sequence[Survey], target: Path) -> tuple[Comparison, list[Path]]:
+def compare(
+    found: Sequence[Survey], target: Path, given: Sequence[Reference] = ()
+) -> tuple[Comparison, list[Path]]:
     """Compare runs and write tables and plots into a folder.
 
     Parameters
@@ -52,6 +61,8 @@ def compare(found: Sequence[Survey], target: Path) -> tuple[Comparison, list[Pat
     found : sequence of Survey
         Of two or more runs of the same dimension.
     target : Path
+    given : sequence of Reference
+        Curves to compare all runs with.
 
     Returns
     -------
@@ -62,7 +73,8 @@ def compare(found: Sequence[Survey], target: Path) -> tuple[Comparison, list[Pat
     Raises
     ------
     OutputError
-        If runs of two and of three dimensions meet, or the folder cannot be written.
+        If runs of two and of three dimensions meet, a reference fits no table of one of the runs,
+        or the folder cannot be written.
     """
     if len({one.run.case.dimension for one in found}) > 1:
         raise OutputError("runs of two and of three dimensions cannot be compared")
@@ -73,7 +85,14 @@ def compare(found: Sequence[Survey], target: Path) -> tuple[Comparison, list[Pat
         for row in rows
         if next(part.key for part in row if part) != "notes"
     ]
-    together = Comparison(names, differing, _figures(found), min(_last(one) for one in found))
+    measured = [
+        (name, row)
+        for reference in given
+        for name, one in zip(names, found, strict=True)
+        for row in distances(one, reference)
+    ]
+    time = min(_last(one) for one in found)
+    together = Comparison(names, differing, _figures(found), measured, time)
     files = [target / "parameters.csv", target / "answers.csv"]
     write_table(files[0], ("parameter", *names), ("where the cases differ",), differing)
     write_table(
@@ -82,11 +101,15 @@ def compare(found: Sequence[Survey], target: Path) -> tuple[Comparison, list[Pat
         ("figures of the runs, each at its own end; nan where a run has none",),
         ([quantity, unit, *values] for _, quantity, unit, values in together.figures),
     )
+    if given:
+        files.append(target / "distances.csv")
+        lines: Iterable[Row] = ((name, *row) for name, row in measured)
+        write_table(files[-1], ("run", *references.COLUMNS), references.HEAD, lines)
     titles = [
         f"{key}: " + ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
         for key, *values in differing
     ]
-    return together, [*files, *draw_comparison(found, names, titles, together.time, target)]
+    return together, [*files, *draw_comparison(found, names, given, titles, time, target)]
 
 
 def _last(found: Survey) -> float:
@@ -112,7 +135,22 @@ def _figures(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]
         for heading, rows in answers_by_heading(found[0]).items()
         for row in rows
         if all(row.quantity in values for values in known)
-    ] + _probes(found)
+    ] + [*_stations(found), *_probes(found)]
+
+
+def _stations(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
+    """Return the figures of the stations that all runs have."""
+    volume = VOLUME[found[0].run.case.dimension]
+    rows = []
+    for x in found[0].stations:
+        if not all(x in one.stations for one in found):
+            continue
+        for name in COLUMNS[1:]:
+            tables = (one.station_figures for one in found)
+            values = [float(table[name][table["station"] == x][0]) for table in tables]
+            if np.nan_to_num(values).any():
+                rows.append((STATIONS, f"at_{x:g}_m_{name}", unit_of(name, volume), values))
+    return rows
 
 
 def _probes(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
@@ -139,21 +177,28 @@ def _evenly_smoothed(found: Sequence[Survey]) -> list[Survey]:
 
 
 def table_lines(together: Comparison) -> list[str]:
-    """Return parameters and figures as lines with columns, without stations and many probes."""
+    """Return parameters and figures as lines with columns, and distances to references.
+
+    Of stations the arrivals only, and no long list of probes.
+    """
     lines = [(name, *values) for name, *values in together.differing]
-    left_out = {"Stations"}
-    if sum(heading == PROBES for heading, *_ in together.figures) > MOST_PRINTED:
-        left_out.add(PROBES)
+    many = sum(heading == PROBES for heading, *_ in together.figures) > MOST_PRINTED
     figures = [
         (f"{name}, {unit}" if unit != ABSENT else name, *map(_told, values))
         for heading, name, unit, values in together.figures
-        if heading not in left_out and not np.isnan(values).all()
+        if not (many and heading == PROBES)
+        and not (heading == STATIONS and not name.endswith("_arrival"))
+        and not np.isnan(values).all()
     ]
     rows = [("", *together.names), *lines, *figures]
     widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    return [
+    table = [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
+    ]
+    return table + [
+        told_distance(row._replace(ours=name if row.ours == RUN else f"{name}, {row.ours}"))
+        for name, row in together.distances
     ]
 
 

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
+from debrisflow.neighbors.lattice import reference
+from debrisflow.particles.maxima import is_reached
 from debrisflow.particles.state import PHASES
 from debrisflow.results.frames import Frame
-from debrisflow.run.measures import FRONT_SHARE, fronts
+from debrisflow.run.measures import FRONT_SHARE, flow_height, fronts, whole_depth
 from debrisflow.run.tables import Row, Table
 from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import floor_level
 from debrisflow.space.gravity import gravity_vector
-from debrisflow.space.plan_grid import floor_length
+from debrisflow.space.plan_grid import floor_length, plan
 
 Floats = NDArray[np.float64]
 OUTER_SHARE = 0.999
 EDGE = 2.0  # spacings before the end of the domain, where a front is at it
 NAMES = (*PHASES, "all")
+PHASE_WORDS = {"liquid": "water", "sediment": "sediment", "mixture": "mixture", "all": "all"}
 COLUMNS = (
     "time",
     *(f"front_{name}" for name in NAMES),
@@ -31,17 +35,51 @@ COLUMNS = (
 HEAD = (
     "time: s",
     "front_*: m; the x behind which 99.5 % of the volume lies that is faster than",
-    "  output.rest_speed; nan if nothing is",
+    "  output.rest_speed; fluid counts as behind it where it stood in the first frame and the flow",
+    "  is not more than half a spacing deeper; nan if nothing has come farther",
     "outer_front_*: m; the same for 99.9 %",
     "moving_share: share of the volume inside that is faster than output.rest_speed",
     "speed_*: m/s; speed of front_*, by central differences between the frames",
 )
 
 
-def front_row(case: ResolvedCase, frame: Frame) -> Row:
+class Start(NamedTuple):
+    """What was there in the first frame, over the cells of the plan.
+
+    Attributes
+    ----------
+    depth : (cells,) float64 array, m
+        Of all fluid.
+    rested : (cells,) bool array
+        Where it rested.
+    """
+
+    depth: Floats
+    rested: NDArray[np.bool_]
+
+    def fills(self, case: ResolvedCase) -> bool:
+        """Return whether there was fluid over the whole length and none is supplied.
+
+        Then nothing can run out; what is supplied may, over a bed.
+        """
+        number = plan(case).number
+        is_wet = (number >= 0) & (self.depth[number] > 0.0)
+        return case.inflow is None and bool(is_wet.any(axis=1).all())
+
+
+def start_of(case: ResolvedCase, first: Frame) -> Start:
+    """Return what is there in the first frame."""
+    return Start(*whole_depth(case, first.position, first.velocity, first.kind))
+
+
+def front_row(case: ResolvedCase, frame: Frame, start: Start) -> Row:
     """Return time, fronts, outer fronts and moving share of a frame, without the speeds."""
-    arrays = frame.position, frame.velocity, frame.kind
-    shares = (fronts(case, *arrays, share=share) for share in (FRONT_SHARE, OUTER_SHARE))
+    d0 = case.particles.spacing
+    n0 = reference(case.dimension, case.particles.effective_radius, d0).number_density
+    depth = flow_height(case, frame.position, frame.kind, frame.number_density, n0)
+    reached = is_reached(depth, *start, d0)
+    arrays = frame.position, frame.velocity, frame.kind, reached
+    shares = (fronts(case, *arrays, share) for share in (FRONT_SHARE, OUTER_SHARE))
     moving = frame.speed[frame.fluid] > case.output.rest_speed
     share = float(moving.mean()) if moving.size else 0.0
     return (frame.time, *(x for found in shares for x in found.values()), share)
@@ -81,6 +119,26 @@ def arrival(time: Floats, front: Floats, x: float) -> float:
         return float("nan")
     before = slice(reached[0] - 1, reached[0] + 1)
     return float(np.interp(x, front[before], time[before]))
+
+
+def moving_parts(phases: Sequence[str]) -> tuple[str, ...]:
+    """Return whose fronts a run is told by, of its phases: the headline first.
+
+    Where water flows beside what carries grains, these are the headline and the water is told
+    beside it; else all is one.
+
+    Examples
+    --------
+    >>> moving_parts(["liquid"]), moving_parts(["liquid", "sediment"])
+    (('all',), ('sediment', 'liquid'))
+    """
+    grains = [name for name in phases if name != "liquid"]
+    return (grains[0], "liquid") if len(grains) == 1 and len(phases) == 2 else ("all",)
+
+
+def headline_of(phases: Sequence[str]) -> str:
+    """Return whose front is the headline, as :func:`moving_parts` has it."""
+    return moving_parts(phases)[0]
 
 
 class Mobility(NamedTuple):

@@ -8,24 +8,34 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow.results import answers as figures
-from debrisflow.results import probe_curves, references, stations
+from debrisflow.results import probe_curves, references, station_figures, stations
 from debrisflow.results.answers import Answer
 from debrisflow.results.budgets import budget_head, momentum_head
 from debrisflow.results.deposition import deposit_head, deposit_table
 from debrisflow.results.fronts import HEAD as FRONT_HEAD
 from debrisflow.results.plots import draw
-from debrisflow.results.references import DILATANT, Distance, Reference, distances_to_all
+from debrisflow.results.references import (
+    DILATANT,
+    Distance,
+    Reference,
+    distances_to_all,
+    told_distance,
+)
 from debrisflow.results.survey import Survey
 from debrisflow.run.folder import POSTPROCESS
 from debrisflow.run.tables import Row, Table, write_table
 
-TOLD = (
+TOLD = {
     "moving_share_end",
     "front_farthest",
+    "runout_length",
     "equivalent_friction",
+    "water_front_farthest",
+    "water_runout_length",
     "deposit_volume",
     "eroded_volume",
-)
+}
+NO_RUNOUT = "no run-out: there was fluid over the whole length from the start"
 
 
 def postprocess(found: Survey, given: Sequence[Reference] = ()) -> tuple[list[Path], list[str]]:
@@ -52,12 +62,12 @@ def postprocess(found: Survey, given: Sequence[Reference] = ()) -> tuple[list[Pa
     target = found.run.folder / POSTPROCESS
     rows, measured = figures.answers(found), distances_to_all(found, given)
     files = _write_tables(found, measured, rows, target)
-    return [*files, *draw(found, given, measured, target)], _told(rows, measured)
+    return [*files, *draw(found, given, measured, target)], _told(found, rows, measured)
 
 
-def _told(rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
-    """Return arrivals, run-out and distances as lines."""
-    lines = []
+def _told(found: Survey, rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
+    """Return run-out, arrivals, stations and distances as lines."""
+    lines = [] if found.mobilities else [NO_RUNOUT]
     for row in rows:
         if row.quantity.endswith("_arrival"):
             when = (
@@ -68,24 +78,10 @@ def _told(rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
             lines.append(f"section {row.quantity.removesuffix('_arrival')}: {when}")
         elif row.quantity in TOLD and not np.isnan(row.value):
             lines.append(f"{row.quantity} = {row.value:.4g} {row.unit}: {row.meaning}")
-    lines += [_told_distance(one) for one in measured if one.points or one.reference != DILATANT]
+    volume = stations.VOLUME[found.run.case.dimension]
+    lines += station_figures.table_lines(found.station_figures, volume)
+    lines += [told_distance(one) for one in measured if one.points or one.reference != DILATANT]
     return lines
-
-
-def _told_distance(one: Distance) -> str:
-    """Return the distance of a curve as a line."""
-    curve = f"distance to {one.reference}, {one.curve}, {one.ours}: "
-    if not one.points:
-        return curve + "the run has no points within its range"
-    shift = band = ""
-    if one.shift == 0.0:
-        shift = "; moving the run in time brings it no nearer"
-    elif not np.isnan(one.shift):
-        shift = f"; {one.shifted_rms:.3g} if the run is moved by {one.shift:+.3g} s"
-    if not np.isnan(one.in_band):
-        band = f"; {one.in_band:.0%} of the points within the band"
-    share = "" if np.isnan(one.share) else f" ({one.share:.1%} of the reference's range)"
-    return f"{curve}rms {one.rms:.3g}{share} at {one.points} points{shift}{band}"
 
 
 def _write_tables(
@@ -106,6 +102,7 @@ def _write_tables(
         ("profiles", _filled(stations.PROFILES_HEAD, words), found.profiles),
         ("mean_profiles", _filled(stations.MEAN_HEAD, words | window), found.mean_profiles),
         ("hydrographs", _filled(stations.HYDROGRAPH_HEAD, words), found.hydrographs),
+        ("stations", _filled(station_figures.HEAD, words), found.station_figures),
         ("deposit_profile", deposit_head(dimension), deposit_table(case, found.deposits)),
         ("budget", budget_head(dimension), found.budget),
         ("momentum", momentum_head(dimension), found.momentum),

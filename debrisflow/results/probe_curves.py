@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +21,7 @@ Floats = NDArray[np.float64]
 SMOOTHED = 10  # intervals of a probe over which its running mean goes, if no time is given
 ARRIVED = 0.05  # of the greatest change, by which something has arrived
 LEAST_CHANGE = 0.01  # of the greatest magnitude; what changes by less does not arrive
+LEVELS = ("height", "filled_height")  # columns that are heights of a surface
 WITH_IMPULSE = ("Pa", "N")
 
 
@@ -37,6 +40,14 @@ class ProbeCurve(NamedTuple):
         Over which the running mean goes.
     least, greatest : (n,) float64 array
         Of the steps since the row before; the samples where they are not known.
+    rise : float
+        By which a level must rise for something to have arrived, half a spacing; nan of what is no
+        level.
+    was_dry : bool
+        Whether there were no values at first.
+    was_pressed : bool
+        Whether the first mean was not 0 although the first row, without a step before it, is: it is
+        that of fluid that stood there.
     """
 
     probe: str
@@ -49,6 +60,14 @@ class ProbeCurve(NamedTuple):
     span: float
     least: Floats
     greatest: Floats
+    rise: float = np.nan
+    was_dry: bool = False
+    was_pressed: bool = False
+
+    @property
+    def before(self) -> float:
+        """Return the value before anything arrives."""
+        return float(self.values[int(self.was_pressed)])
 
 
 class ProbeFigures(NamedTuple):
@@ -58,9 +77,10 @@ class ProbeFigures(NamedTuple):
     ----------
     probe, column, unit : str
     arrival : float, s
-        The first sample that has changed by 5 % of the greatest change of the running mean, and
-        from which on the mean over its span has too; nan if that changes by less than 1 % of the
-        greatest magnitude.
+        Of a level the first sample more than half a spacing above the first one.  Of what was dry
+        at first the first one that is not.  Else the first sample that has changed by 5 % of the
+        greatest change of the running mean, for a vector that of any component; nan if that is less
+        than 1 % of the greatest magnitude.  From then on the mean over its span has too.
     peak, peak_time : float
         The value of greatest magnitude, of all steps if the probe keeps those between two rows,
         else of the samples; and the time of its row, s.
@@ -87,8 +107,10 @@ class ProbeFigures(NamedTuple):
 COLUMNS = ProbeFigures._fields
 HEAD = (
     "a row for each curve of a probe; those of sections are in answers.csv",
-    "arrival: s, of the first sample that has changed by 5 % of the greatest change of the running",
-    "  mean over {span}, and from which on the mean has too; nan if it hardly changes",
+    "arrival: s, of a height the first sample more than half a spacing above that at the start, of",
+    "  a point that was dry the first that is not, else the first that has changed by 5 % of the",
+    "  greatest change of the running mean over {span}, for a vector that of any component; from",
+    "  then on the mean has too; nan if there is none",
     "peak, peak_time: the value of greatest magnitude, of single steps if the probe keeps their",
     "  least and greatest, else of the samples, and the time of its row in s",
     "smooth_peak: value of greatest magnitude of the running mean",
@@ -196,19 +218,48 @@ def _curve(run: Run, probe: Probe, column: str, span: float | None) -> ProbeCurv
     low, high = (
         table[column + ending][known] if column + ending in table else values for ending in EXTREMES
     )
-    if column.startswith(sampler.averaged):
+    is_mean = column.startswith(sampler.averaged)
+    if is_mean:
         if has_impulse:
             impulse = float(np.sum(values[1:] * np.diff(time)))
         time = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1])])
     elif has_impulse:
         impulse = float(np.trapezoid(values, time))
     over = SMOOTHED * probe.interval if span is None else span
-    smooth = running_mean(time, values, over)
-    return ProbeCurve(probe.name, column, unit, time, values, smooth, impulse, over, low, high)
+    return ProbeCurve(
+        probe=probe.name,
+        column=column,
+        unit=unit,
+        time=time,
+        values=values,
+        smooth=running_mean(time, values, over),
+        impulse=impulse,
+        span=over,
+        least=low,
+        greatest=high,
+        rise=0.5 * run.case.particles.spacing if column in LEVELS else np.nan,
+        was_dry=bool(np.isnan(table[column][table["time"] >= 0.0][0])),
+        was_pressed=is_mean and values.size > 1 and values[0] == 0.0 != values[1],
+    )
 
 
-def figures_of(curve: ProbeCurve, window: tuple[float, float]) -> ProbeFigures:
-    """Return the figures of a curve, with mean and deviation within a window of time, s."""
+def probe_figures(curves: Sequence[ProbeCurve], window: tuple[float, float]) -> list[ProbeFigures]:
+    """Return the figures of curves, with mean and deviation within a window of time, s."""
+    greatest: dict[tuple[str, str], float] = {}
+    for curve in curves:
+        change = float(np.abs(curve.smooth - curve.before).max())
+        greatest[_vector(curve)] = max(greatest.get(_vector(curve), 0.0), change)
+    return [_figures_of(curve, window, greatest[_vector(curve)]) for curve in curves]
+
+
+def _vector(curve: ProbeCurve) -> tuple[str, str]:
+    """Return a name that the components of a vector share."""
+    return curve.probe, re.sub("_[xyz]$", "", curve.column)
+
+
+def _figures_of(
+    curve: ProbeCurve, window: tuple[float, float], greatest_change: float
+) -> ProbeFigures:
     farthest = np.where(np.abs(curve.least) > np.abs(curve.greatest), curve.least, curve.greatest)
     peak = int(np.argmax(np.abs(farthest)))
     inside = curve.values[is_within(curve.time, window)]
@@ -216,7 +267,7 @@ def figures_of(curve: ProbeCurve, window: tuple[float, float]) -> ProbeFigures:
         probe=curve.probe,
         column=curve.column,
         unit=curve.unit,
-        arrival=_arrival(curve),
+        arrival=_arrival(curve, greatest_change),
         peak=float(farthest[peak]),
         peak_time=float(curve.time[peak]),
         smooth_peak=float(curve.smooth[np.argmax(np.abs(curve.smooth))]),
@@ -226,14 +277,19 @@ def figures_of(curve: ProbeCurve, window: tuple[float, float]) -> ProbeFigures:
     )
 
 
-def _arrival(curve: ProbeCurve) -> float:
-    before = curve.values[0]
-    greatest = float(np.abs(curve.smooth - before).max())
-    if greatest <= LEAST_CHANGE * np.abs(curve.smooth).max():
-        return np.nan
-    ahead = _mean_between(curve.time, curve.values, curve.time, curve.time + curve.span)
-    threshold = ARRIVED * greatest
-    there = (np.abs(curve.values - before) > threshold) & (np.abs(ahead - before) > threshold)
+def _arrival(curve: ProbeCurve, greatest_change: float) -> float:
+    if curve.was_dry:
+        return float(curve.time[0])
+    values, before = curve.values, curve.before
+    ahead = _mean_between(curve.time, values, curve.time, curve.time + curve.span)
+    if np.isnan(curve.rise):
+        if greatest_change <= LEAST_CHANGE * np.abs(curve.smooth).max():
+            return np.nan
+        least = ARRIVED * greatest_change
+        there = (np.abs(values - before) > least) & (np.abs(ahead - before) > least)
+    else:
+        there = (values - before > curve.rise) & (ahead - before > curve.rise)
+    there &= curve.time >= curve.time[int(curve.was_pressed)]
     return float(curve.time[np.argmax(there)]) if there.any() else np.nan
 
 

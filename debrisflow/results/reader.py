@@ -15,6 +15,7 @@ from debrisflow.case.probes import AnyProbe
 from debrisflow.case.probes.grid import GridProbe
 from debrisflow.case.probes.line import LineProbe
 from debrisflow.errors import OutputError
+from debrisflow.particles.record import Particles
 from debrisflow.particles.seeding import wall_particles
 from debrisflow.results.data_table import DataTable
 from debrisflow.results.frames import Frame, read_frame
@@ -35,6 +36,7 @@ from debrisflow.run.probes import columns_of
 from debrisflow.run.tables import Table, read_table, rows_where
 from debrisflow.run.vtu import read_collection
 from debrisflow.space.plan_grid import plan
+from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
 # of a progress bar over frames
@@ -123,16 +125,24 @@ class Run:
             yield read_frame(time, file)
 
     @cached_property
-    def walls(self) -> Floats:
-        """Return the places of particles by which the walls can be drawn, (n, 3), m."""
-        return wall_particles(self.case).position
+    def _walls(self) -> Particles:
+        return wall_particles(self.case)
+
+    def walls(self, time: float = 0.0) -> Floats:
+        """Return places of particles by which the walls can be drawn at a time, s, (n, 3), m."""
+        position = self._walls.position.copy()
+        for number, way in trajectories(self.case).items():
+            own = self._walls.wall == number
+            position[own] = way.pose(max(time, 0.0)).moved(position[own])
+        return position
 
     def surface(self, time: float = np.inf) -> Surface:
         """Return the free surface in the frame nearest to a time, s; in the last one by default.
 
         See :func:`debrisflow.results.surfaces.free_surface`.
         """
-        return free_surface(self.frame(time), self.case, self.walls)
+        frame = self.frame(time)
+        return free_surface(frame, self.case, self.walls(frame.time))
 
     @cached_property
     def history(self) -> DataTable:

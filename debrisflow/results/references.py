@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 NORMALIZED = "y_over_h"
 DILATANT = "dilatant"
 ABSCISSAS = (NORMALIZED, "y", "z", "time", "x")
+RUN = "run"  # the one curve of a run that there is
 POOLED = "mean of the stations"
 FEWEST_POINTS = 3
 BAND = (".low", ".high")
@@ -100,6 +101,22 @@ HEAD = (
 )
 
 
+def told_distance(one: Distance) -> str:
+    """Return a distance as a line."""
+    curve = f"distance to {one.reference}, {one.curve}, {one.ours}: "
+    if not one.points:
+        return curve + "the run has no points within its range"
+    shift = band = ""
+    if one.shift == 0.0:
+        shift = "; moving the run in time brings it no nearer"
+    elif not np.isnan(one.shift):
+        shift = f"; {one.shifted_rms:.3g} if the run is moved by {one.shift:+.3g} s"
+    if not np.isnan(one.in_band):
+        band = f"; {one.in_band:.0%} of the points within the band"
+    share = "" if np.isnan(one.share) else f" ({one.share:.1%} of the reference's range)"
+    return f"{curve}rms {one.rms:.3g}{share} at {one.points} points{shift}{band}"
+
+
 def dilatant_profile() -> Reference:
     """Return the profile of a steady flow of colliding grains, u/u_s = 1 - (1 - y/h)^1.5.
 
@@ -162,9 +179,9 @@ def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Flo
     """
     name = curve
     if reference.abscissa == "time" and curve not in found.fronts:
-        return {"run": _of_probe(found, reference, curve)}
+        return {RUN: _of_probe(found, reference, curve)}
     if reference.abscissa == "time":
-        tables = {"run": found.fronts}
+        tables = {RUN: found.fronts}
     elif reference.abscissa == "x":
         tables = {f"t = {found.deposits[-1].time:g} s": _along_x(found.deposits[-1])}
     else:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import jinja2
-import numpy as np
 
 from debrisflow import __version__
 from debrisflow.results.answers import answers_by_heading
@@ -19,6 +18,8 @@ from debrisflow.results.plots import DESCRIPTIONS
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.probe_curves import told_span
 from debrisflow.results.references import Reference, distances_to_all
+from debrisflow.results.station_figures import cells, figure
+from debrisflow.results.stations import VOLUME
 from debrisflow.results.survey import Survey
 from debrisflow.run.atomic import replaced
 from debrisflow.run.folder import PICTURES, POSTPROCESS
@@ -73,7 +74,7 @@ def report(found: Survey, given: Sequence[Reference] = ()) -> Path:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters["figure"] = _figure
+    environment.filters["figure"] = figure
     page = environment.get_template("report.html").render(
         **_contents(found, given), plots=plots, pictures=_pictures(found.run.folder / PICTURES)
     )
@@ -89,7 +90,7 @@ def _warnings(found: Survey) -> list[str]:
     told = [f"of the run: {line}" for line in run.warnings]
     if run.times[-1] < end * (1.0 - 1e-9):
         told.append(f"the results end at t = {run.times[-1]:g} s of {end:g} s")
-    if found.mobility.bound:
+    if found.mobility is not None and found.mobility.bound:
         told.append(f"the run-out is {found.mobility.bound}")
     return told
 
@@ -110,6 +111,7 @@ def _contents(found: Survey, given: Sequence[Reference]) -> dict[str, Any]:
         "timing": _timing(run.summary),
         "versions": run.summary.get("versions", {}),
         "warnings": _warnings(found),
+        "stations": cells(found.station_figures, VOLUME[run.case.dimension]),
         "probes": found.probe_figures,
         "span": told_span(found.smoothing),
         "distances": [row for row in distances_to_all(found, given) if row.points],
@@ -117,10 +119,6 @@ def _contents(found: Survey, given: Sequence[Reference]) -> dict[str, Any]:
         "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "window": found.window,
     }
-
-
-def _figure(value: float) -> str:
-    return "none" if np.isnan(value) else f"{value:.4g}"
 
 
 def _tables(fields: Sequence[Parameter]) -> list[tuple[str, list[Parameter]]]:

@@ -23,7 +23,7 @@ def write_surfaces(run: Run) -> Path:
     frames = bar(run.frames(), total=len(run.files), desc=f"{run.name}: surfaces", bar_format=BAR)
     for number, frame in enumerate(frames):
         file = listing.with_suffix("") / f"{number:06d}.vtp"
-        write_mesh(file, free_surface(frame, run.case, run.walls).mesh)
+        write_mesh(file, free_surface(frame, run.case, run.walls(frame.time)).mesh)
         written.append((frame.time, file))
     write_collection(listing, written)
     return listing

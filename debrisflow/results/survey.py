@@ -14,9 +14,19 @@ from debrisflow.particles.state import PHASES
 from debrisflow.results.budgets import budget_table, momentum_row, momentum_table
 from debrisflow.results.deposition import Deposition, deposition
 from debrisflow.results.frames import read_frame
-from debrisflow.results.fronts import Mobility, front_row, front_table, mobility, source_of
-from debrisflow.results.probe_curves import ProbeCurve, ProbeFigures, figures_of, probe_curves
+from debrisflow.results.fronts import (
+    Mobility,
+    front_row,
+    front_table,
+    headline_of,
+    mobility,
+    moving_parts,
+    source_of,
+    start_of,
+)
+from debrisflow.results.probe_curves import ProbeCurve, ProbeFigures, probe_curves, probe_figures
 from debrisflow.results.reader import BAR, Run
+from debrisflow.results.station_figures import station_figures
 from debrisflow.results.stations import (
     hydrograph_rows,
     hydrographs,
@@ -53,7 +63,13 @@ class Survey:
         As the tables of the same names.
     deposits : list of Deposition
         At the first frame, at chosen times and at the last frame.
-    mobility : Mobility
+    phases : tuple of str
+        Kinds of fluid in the frames, of ``PHASES``.
+    has_grains : bool
+        Whether there is sediment in any of it.
+    mobilities : dict of Mobility
+        By phase, or of ``all``: the headline first, which is what carries grains where there is
+        water too.  Empty where fluid was over the whole length from the start: none can run out.
     smoothing : float, s, or None
         Span of the running means of probes; ten intervals of each if None.
     """
@@ -67,8 +83,25 @@ class Survey:
     hydrographs: Table
     momentum: Table
     deposits: list[Deposition]
-    mobility: Mobility
+    phases: tuple[str, ...]
+    has_grains: bool
+    mobilities: dict[str, Mobility]
     smoothing: float | None
+
+    @property
+    def headline(self) -> str:
+        """Return whose front is the headline: a phase, or ``all``."""
+        return headline_of(self.phases)
+
+    @property
+    def mobility(self) -> Mobility | None:
+        """Return fall and travel of the headline; None where nothing can run out."""
+        return self.mobilities.get(self.headline)
+
+    @cached_property
+    def station_figures(self) -> Table:
+        """Return arrivals, peaks and volumes, a row a station."""
+        return station_figures(self.stations, self.phases, self.run.history, self.hydrographs)
 
     @cached_property
     def probe_curves(self) -> list[ProbeCurve]:
@@ -78,7 +111,7 @@ class Survey:
     @property
     def probe_figures(self) -> list[ProbeFigures]:
         """Return the figures of these curves."""
-        return [figures_of(curve, self.window) for curve in self.probe_curves]
+        return probe_figures(self.probe_curves, self.window)
 
     @cached_property
     def mean_profiles(self) -> Table:
@@ -142,18 +175,24 @@ def survey(
     wanted = {0, len(at) - 1, *run.nearest(times)}
     rows: dict[str, list[Row]] = {name: [] for name in ("front", "profile", "station", "momentum")}
     deposits: list[Deposition] = []
+    kinds: set[int] = set()
+    has_grains = False
     progress = bar(run.files, desc=f"{run.name}: frames", bar_format=BAR)
     for number, (time, file) in enumerate(progress):
         frame = read_frame(time, file)
-        rows["front"].append(front_row(case, frame))
+        if number == 0:
+            start, source = start_of(case, frame), source_of(case, frame)
+        kinds |= {int(kind) for kind in np.unique(frame.kind[frame.fluid])}
+        has_grains |= bool(frame.sediment_fraction[frame.fluid].any())
+        rows["front"].append(front_row(case, frame, start))
         rows["profile"].extend(profile_rows(case, frame, places))
         rows["station"].extend(hydrograph_rows(case, frame, places, _gone(run, time)))
         rows["momentum"].append(momentum_row(case, frame))
-        if number == 0:
-            source = source_of(case, frame)
         if number in wanted:
             deposits.append(deposition(case, frame, deposits[0] if deposits else None))
     fronts = front_table(rows["front"])
+    phases = tuple(PHASES[kind] for kind in sorted(kinds))
+    moving = () if start.fills(case) else moving_parts(phases)
     return Survey(
         run=run,
         stations=places,
@@ -164,7 +203,11 @@ def survey(
         hydrographs=hydrographs(case, rows["station"]),
         momentum=momentum_table(case, rows["momentum"]),
         deposits=deposits,
-        mobility=mobility(case, fronts["time"], fronts["front_all"], source),
+        phases=phases,
+        has_grains=has_grains,
+        mobilities={
+            name: mobility(case, fronts["time"], fronts[f"front_{name}"], source) for name in moving
+        },
         smoothing=smoothing,
     )
 

@@ -17,8 +17,10 @@ HEAD = (
     "  along its normal; top of the particles that follow each other upward from the floor without",
     "  a gap of more than 1.5 spacings, are slower than output.rest_speed and, other than mixture,",
     "  see a sediment concentration of 0.3 or more",
-    "flow_height: m over the same floor; top of the highest particle with n >= 0.5 n0",
-    "concentration: volume share of sediment up to flow_height; nan where there is nothing",
+    "flow_height: m over the same floor; top of the particles with n >= 0.5 n0 that follow each",
+    "  other upward without a gap of more than 1.5 spacings; from the lowest on where that is more",
+    "  than a spacing over the floor, as in a jet",
+    "concentration: volume share of sediment in them; nan where there is nothing",
 )
 
 

@@ -23,7 +23,8 @@ from debrisflow.run.probe import is_probe_file
 from debrisflow.run.probes import sampler_of
 from debrisflow.run.tables import Row
 from debrisflow.run.vtu import FOLDER, Collection, write_particles
-from debrisflow.run.walls_file import WALLS, write_walls
+from debrisflow.run.walls_file import OBSTACLES, WALLS, write_obstacles, write_walls
+from debrisflow.space.scene import trajectories
 
 CASE = "case.toml"
 FRAMES = "particles.pvd"
@@ -37,7 +38,8 @@ PROBES = "probes"
 POSTPROCESS = "postprocess"
 PICTURES = "render"
 SURFACES = "surface.pvd"
-RESULTS = (CASE, FRAMES, WALLS, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
+RESULTS = (CASE, FRAMES, WALLS, OBSTACLES, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
+MOVING = Path(OBSTACLES).stem  # folder of the obstacles that move
 DERIVED = (
     "answers.csv",
     "budget.csv",
@@ -49,8 +51,10 @@ DERIVED = (
     "momentum.csv",
     "probes.csv",
     "profiles.csv",
+    "stations.csv",
     "budget.png",
     "deposit.png",
+    "flow.png",
     "front.png",
     "grids.png",
     "hydrographs.png",
@@ -87,6 +91,9 @@ class RunFolder:
         self.path, self.case = path, case
         self.checkpoint_path = path / CHECKPOINT
         self._frames = Collection(path / FRAMES)
+        self._obstacles: Collection | None = None
+        if trajectories(case):
+            self._obstacles = Collection(path / OBSTACLES, MOVING, "vtp")
         self._deposit = DepositWriter(path / DEPOSIT, case.dimension)
         self._history = HistoryWriter(path / HISTORY, case.dimension)
         if case.probe:
@@ -156,6 +163,9 @@ class RunFolder:
         if self.case.dimension == 3:
             rows = slice(0, p.inflow.stop)
         self._frames.append(state.time, lambda file: write_particles(file, p, rows))
+        if self._obstacles is not None:
+            time = state.time
+            self._obstacles.append(time, lambda file: write_obstacles(file, self.case, time))
         self.write_maxima(state)
 
     def write_maxima(self, state: State) -> None:
@@ -182,6 +192,8 @@ class RunFolder:
     def rewind(self, time: float) -> None:
         """Remove rows and frames later than a time, s, and the summary of an earlier end."""
         self._frames.drop_after(time)
+        if self._obstacles is not None:
+            self._obstacles.drop_after(time)
         self._deposit.truncate_after(time)
         self._history.truncate_after(time)
         for probe in self._probes.values():
@@ -228,6 +240,7 @@ def _results(path: Path) -> Iterator[Path]:
                 yield written
     for folder, name in (
         (FOLDER, r"\d{6,}\.vtu"),
+        (MOVING, r"\d{6,}\.vtp"),
         (PICTURES, r"(side|plan|perspective)_\w+\.(png|gif)"),
         (f"{POSTPROCESS}/{Path(SURFACES).stem}", r"\d{6,}\.vtp"),
     ):
@@ -251,7 +264,7 @@ def _clear(path: Path, overwrite: bool) -> None:
     for file in results:
         file.unlink()
     folders = {file.parent for file in results} | {
-        path / name for name in (FOLDER, PROBES, POSTPROCESS, PICTURES)
+        path / name for name in (FOLDER, MOVING, PROBES, POSTPROCESS, PICTURES)
     }
     for folder in sorted(folders - {path}, reverse=True):  # those inside others first
         if folder.is_dir() and not any(folder.iterdir()):

@@ -10,7 +10,7 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.built import HEAD, Rounded
 from debrisflow.case.defaults import LEAST_SOUND_RATIO
-from debrisflow.case.doubts import doubts
+from debrisflow.case.doubts import doubts, rows_over_depths
 from debrisflow.case.estimate import particle_estimate, size
 from debrisflow.case.resolved import ResolvedExplicitScheme
 from debrisflow.case.speeds import fall_speed
@@ -69,6 +69,8 @@ class Forecast:
     ----------
     counts : dict of str to int
         Particles by kind, without kinds that the case lacks.
+    rows : dict of str to int
+        Rows of particles over the depths of blocks and supply, by their keys.
     lattice : Reference
         Lattice constants of the influence radius.
     first_step, smallest_step : float, s
@@ -95,6 +97,7 @@ class Forecast:
     """
 
     counts: dict[str, int]
+    rows: dict[str, int]
     lattice: Reference
     first_step: float
     smallest_step: float
@@ -124,7 +127,7 @@ class Forecast:
     def __str__(self) -> str:
         """Return the figures as a few readable lines."""
         kinds = ", ".join(f"{count:,} {kind}" for kind, count in self.counts.items())
-        lattice = self.lattice
+        lattice, rows = self.lattice, ", ".join(f"{name}: {n}" for name, n in self.rows.items())
         sound = self.sound or "none: the semi-implicit scheme is incompressible"
         radius = lattice.effective_radius / lattice.spacing
         warning = ""
@@ -136,6 +139,7 @@ class Forecast:
         return "\n".join(
             [
                 f"particles      {sum(self.counts.values()):,}: {kinds}",
+                *([f"rows           over depths, {rows}"] if rows else []),
                 f"lattice        n0 = {lattice.number_density:.4f}, "
                 f"lambda = {lattice.laplacian_lambda:.4g} m2, {lattice.neighbors} neighbors"
                 + warning,
@@ -203,6 +207,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
     frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
     return Forecast(
         counts=counts,
+        rows=rows_over_depths(case),
         lattice=reference(case.dimension, case.particles.effective_radius, case.particles.spacing),
         first_step=first,
         smallest_step=smallest,

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.lattice import Reference
@@ -38,7 +39,8 @@ HEAD = (
     "mass_*: kg{per_width}, of the same particles",
     "sediment_volume_*: m3{per_width}, in these particles",
     "front_*: m; the x behind which 99.5 % of the volume lies that is faster than",
-    "  output.rest_speed; nan if nothing is",
+    "  output.rest_speed; fluid counts as behind it where it stood at t = 0 and the flow is not",
+    "  more than half a spacing deeper; nan if nothing has come farther",
     "kinetic_energy, potential_energy, elastic_energy: J{per_width}; potential energy is 0 at the",
     "  origin; elastic is that of the compression in the explicit scheme",
     "maximal_speed: m/s",
@@ -69,7 +71,11 @@ def units(dimension: int) -> dict[str, str]:
 
 
 def history_row(
-    case: ResolvedCase, state: State, ppe_iterations: int, reference: Reference
+    case: ResolvedCase,
+    state: State,
+    ppe_iterations: int,
+    reference: Reference,
+    reached: NDArray[np.bool_] | None = None,
 ) -> dict[str, float | int]:
     """Return the totals of a state, by the names in ``COLUMNS``; nan where there is no fluid.
 
@@ -81,10 +87,12 @@ def history_row(
         Iterations of the last pressure equation.
     reference : Reference
         Lattice constants, of which n0 is used.
+    reached : (cells,) bool array, optional
+        Over which cells of the plan the flow has come; over all if left out.
     """
     p, fluid = state.particles, state.particles.fluid
     motion = p.position[fluid], p.velocity[fluid]
-    front = fronts(case, *motion, p.kind[fluid])
+    front = fronts(case, *motion, p.kind[fluid], reached)
     energy = energies(case, *motion, p.density[fluid], p.kind[fluid])
     ratio = p.number_density[fluid] / reference.number_density
     return {

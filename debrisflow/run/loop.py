@@ -254,12 +254,13 @@ class _Run:
                 self._checkpoint_is_due = True
 
     def _write_history(self, iterations: int) -> None:
-        state, lattice = self.state, self.scheme.lattice
-        self.results.write_history(history_row(self.case, state, iterations, lattice))
-        self._set_threads()
+        state, lattice, d0 = self.state, self.scheme.lattice, self.case.particles.spacing
+        found = flow(self.case, state.particles, lattice.number_density)
         if state.time >= 0.0:
-            found = flow(self.case, state.particles, lattice.number_density)
-            state.maxima.include(state.time, *found, spacing=self.case.particles.spacing)
+            state.maxima.include(state.time, *found, spacing=d0)
+        reached = state.maxima.reached(found.depth, d0)
+        self.results.write_history(history_row(self.case, state, iterations, lattice, reached))
+        self._set_threads()
 
     def _write_deposit(self) -> None:
         p = self.state.particles

@@ -25,6 +25,7 @@ FRONT_SHARE = 0.995
 DEPOSIT_CONCENTRATION = 0.3
 LARGEST_GAP = 1.5
 LEAST_DENSITY_RATIO = 0.5
+NEAR_FLOOR = 1.0  # spacings; up to this height of its center a particle stands on the floor
 
 
 class DepositProfile(NamedTuple):
@@ -35,7 +36,8 @@ class DepositProfile(NamedTuple):
     x, y : (n,) float64 array, m
         Centers of the cells; in two dimensions y, which is across, is 0.
     deposit_height, flow_height : (n,) float64 array, m
-        Above the fixed floor or the top of an obstacle; 0 where there is none.
+        Above the fixed floor or the top of an obstacle; 0 where there is none.  The flow is as
+        :func:`lowest_pile` has it.
     concentration : (n,) float64 array
         Volume share of sediment up to ``flow_height``; nan where nothing flows or lies.
     """
@@ -55,11 +57,32 @@ class Flow(NamedTuple):
     depth : (n,) float64 array, m
     speed : (n,) float64 array, m/s
     momentum_flux : (n,) float64 array, N/m
+    whole_depth : (n,) float64 array, m
+        With films of one row.
+    rests : (n,) bool array
+        Where the mean speed of that is less than ``output.rest_speed``.
     """
 
     depth: Floats
     speed: Floats
     momentum_flux: Floats
+    whole_depth: Floats
+    rests: NDArray[np.bool_]
+
+
+class Pile(NamedTuple):
+    """The lowest matter over the cells of a grid that hangs together; 0 where there is none.
+
+    Attributes
+    ----------
+    bottom : (n,) float64 array, m
+        Height over the floor at which it begins: 0 if it stands on it.
+    depth : (n,) float64 array, m
+        From there to its top.
+    """
+
+    bottom: Floats
+    depth: Floats
 
 
 class Energies(NamedTuple):
@@ -99,11 +122,14 @@ def fronts(
     position: Floats,
     velocity: Floats,
     kind: NDArray[np.integer],
+    reached: NDArray[np.bool_] | None = None,
     share: float = FRONT_SHARE,
 ) -> dict[str, float]:
     """Return how far the flow reaches: the x behind which a share of its volume lies, m.
 
-    A particle flows if it is faster than ``output.rest_speed``.  Particles count whole, by their
+    A particle flows if it is faster than ``output.rest_speed``.  One over a cell that the flow has
+    not reached, because fluid stood there at the start and has not risen, counts as behind the
+    front wherever it is: a wave moves the water ahead of it too.  Particles count whole, by their
     centers, so that a front is the x of a particle, and that of a flow of fewer than 200 particles
     is the x of the foremost one.  In three dimensions the front is the foremost of the whole width.
 
@@ -111,6 +137,9 @@ def fronts(
     ----------
     position, velocity : (n, 3) array, m, m/s
     kind : (n,) int array
+    reached : (cells,) bool array, optional
+        Over which cells of :func:`debrisflow.space.plan_grid.plan` the flow has come, see
+        :meth:`debrisflow.particles.maxima.Maxima.reached`; over all if left out.
     share : float
         99.5 % if left out.
 
@@ -121,6 +150,9 @@ def fronts(
     """
     flowing = is_fluid(kind) & (np.linalg.norm(velocity, axis=1) > case.output.rest_speed)
     x, phase = wrapped(case, position[flowing])[:, 0], np.asarray(kind)[flowing]
+    if reached is not None and not reached.all():
+        above = locate(case, plan(case), position[flowing])
+        x[above.row[~reached[above.cell]]] = -np.inf
     found = {name: _front(x[phase == number], share) for number, name in enumerate(PHASES)}
     return found | {"all": _front(x, share)}
 
@@ -128,7 +160,8 @@ def fronts(
 def _front(x: Floats, share: float) -> float:
     if x.size == 0:
         return np.nan
-    return float(np.quantile(x, share, method="inverted_cdf"))
+    front = float(np.quantile(x, share, method="inverted_cdf"))
+    return front if np.isfinite(front) else np.nan
 
 
 def deposit_profile(
@@ -154,7 +187,8 @@ def deposit_profile(
     particle that flows or is surrounded by water does not.  (The local concentration in a mixed bed
     scatters; if any particle below 0.3 ended the deposit, it would be measured too thin.)
 
-    The flow height is that of the highest particle with n >= 0.5 n0, which excludes drops.
+    The flow height is the depth of the :func:`lowest_pile` of the particles with n >= 0.5 n0, and
+    the concentration that of all particles in it.
 
     Parameters
     ----------
@@ -166,13 +200,14 @@ def deposit_profile(
     """
     d0, grid = case.particles.spacing, plan(case)
     rows, cell, height = above = locate_fluid(case, grid, position, kind)
-    dense = number_density[rows] >= LEAST_DENSITY_RATIO * reference_number_density
+    pile = _flowing_pile(case, above, number_density, reference_number_density)
 
     lying = deposited(case, above, velocity, kind, concentration)
     deposit = _greatest_height(lying.cell, lying.height, grid.x.size, d0)
-    top = _greatest_height(cell[dense], height[dense], grid.x.size, d0)
-    share = _mean_by_cell(sediment_fraction[rows], cell, height + 0.5 * d0 <= top[cell], grid)
-    return DepositProfile(grid.x, grid.y, deposit, top, share)
+    top = (pile.bottom + pile.depth)[cell]
+    within = (height + 0.5 * d0 <= top) & (height + 0.5 * d0 > pile.bottom[cell])
+    share = _mean_by_cell(sediment_fraction[rows], cell, within, grid)
+    return DepositProfile(grid.x, grid.y, deposit, pile.depth, share)
 
 
 def locate_fluid(
@@ -234,6 +269,78 @@ def piled(cell: NDArray[np.int64], height: Floats, d0: float) -> NDArray[np.bool
     return found
 
 
+def lowest_pile(cell: NDArray[np.int64], height: Floats, cells: int, d0: float) -> Pile:
+    """Return the lowest matter over each cell that hangs together.
+
+    Of particles that follow each other upward without a gap of more than 1.5 d0.  It begins on the
+    floor, or d0/2 below the lowest particle if the center of this is more than d0 above the floor,
+    in a jet over air or on top of a mesh.  Spray over a flow therefore does not make it deeper, and
+    what flies over a dry floor is as deep as it is thick.
+
+    Parameters
+    ----------
+    cell : (n,) int array
+    height : (n,) array, m
+        Of the centers, over the floor.
+    cells : int
+        How many there are.
+    d0 : float, m
+
+    Examples
+    --------
+    Water up to 3 with a drop over it, and a jet between 4 and 6.
+
+    >>> cell, height = np.array([0, 0, 0, 0, 1, 1]), np.array([0.5, 1.5, 2.5, 7.5, 4.5, 5.5])
+    >>> print(*lowest_pile(cell, height, 3, 1.0))
+    [0. 4. 0.] [3. 2. 0.]
+    """
+    lowest = np.full(cells, np.inf)
+    np.minimum.at(lowest, cell, height)
+    flies = np.isfinite(lowest) & (lowest > NEAR_FLOOR * d0)
+    bottom = np.where(flies, lowest - 0.5 * d0, 0.0)
+    above = height - bottom[cell]
+    pile = piled(cell, above, d0)
+    return Pile(bottom, _greatest_height(cell[pile], above[pile], cells, d0))
+
+
+def flow_height(
+    case: ResolvedCase,
+    position: Floats,
+    kind: NDArray[np.integer],
+    number_density: Floats,
+    reference_number_density: float,
+) -> Floats:
+    """Return the flow height of :func:`deposit_profile` over each cell, (cells,) array, m."""
+    above = locate_fluid(case, plan(case), position, kind)
+    return _flowing_pile(case, above, number_density, reference_number_density).depth
+
+
+def _flowing_pile(
+    case: ResolvedCase, above: Located, number_density: Floats, reference_number_density: float
+) -> Pile:
+    """Return the lowest pile of the particles with n >= 0.5 n0."""
+    dense = number_density[above.row] >= LEAST_DENSITY_RATIO * reference_number_density
+    counted = dense & (above.height > -0.5 * case.particles.spacing)
+    cells = plan(case).x.size
+    return lowest_pile(above.cell[counted], above.height[counted], cells, case.particles.spacing)
+
+
+def whole_depth(
+    case: ResolvedCase, position: Floats, velocity: Floats, kind: NDArray[np.integer]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return the depth of all fluid over each cell, films of one row too, and where it rests.
+
+    The depth of the :func:`lowest_pile`, m; it rests where its mean speed is less than
+    ``output.rest_speed``.
+    """
+    grid = plan(case)
+    row, cell, height = locate_fluid(case, grid, position, kind)
+    pile = lowest_pile(cell, height, grid.x.size, case.particles.spacing)
+    speed = np.linalg.norm(velocity[row], axis=1)
+    mean_speed = _mean_by_cell(speed, cell, np.ones(cell.size, dtype=bool), grid)
+    return pile.depth, mean_speed < case.output.rest_speed
+
+
 def _greatest_height(cell: NDArray[np.int64], height: Floats, cells: int, d0: float) -> Floats:
     """Return how high the particles of each cell reach, m; 0 where there are none."""
     greatest = np.zeros(cells)
@@ -255,9 +362,9 @@ def flow(case: ResolvedCase, particles: Particles, reference_number_density: flo
     """Return depth, mean speed and momentum flux of the flow over each cell.
 
     The depth is the flow height of :func:`deposit_profile`, including material at rest.  Of the
-    particles with n >= 0.5 n0 of a cell, the speed is the mean of ``|u|``, and the momentum flux
-    is ``sum rho V |u|^2 / A``, the integral of rho u^2 over the depth, with the volume V = d0^Ds
-    of a particle and the area A of the cell.
+    particles with n >= 0.5 n0 up to that height, the speed is the mean of ``|u|``, and the momentum
+    flux is ``sum rho V |u|^2 / A``, the integral of rho u^2 over the depth, with the volume V =
+    d0^Ds of a particle and the area A of the cell.
 
     Parameters
     ----------
@@ -267,17 +374,20 @@ def flow(case: ResolvedCase, particles: Particles, reference_number_density: flo
         n0 of the lattice.
     """
     d0, grid, fluid = case.particles.spacing, plan(case), particles.fluid
-    row, cell, height = locate(case, grid, particles.position[fluid])
-    least = LEAST_DENSITY_RATIO * reference_number_density
-    counted = (particles.number_density[fluid][row] >= least) & (height > -0.5 * d0)
-    row, cell, height = row[counted], cell[counted], height[counted]
+    position, velocity = particles.position[fluid], particles.velocity[fluid]
+    number_density = particles.number_density[fluid]
+    row, cell, height = above = locate(case, grid, position)
+    pile = _flowing_pile(case, above, number_density, reference_number_density)
+    counted = number_density[row] >= LEAST_DENSITY_RATIO * reference_number_density
+    counted &= (height > -0.5 * d0) & (height < (pile.bottom + pile.depth)[cell])
+    row, cell = row[counted], cell[counted]
 
-    depth = _greatest_height(cell, height, grid.x.size, d0)
-    speed = np.linalg.norm(particles.velocity[fluid][row], axis=1)
+    speed = np.linalg.norm(velocity[row], axis=1)
     mean_speed = np.nan_to_num(_mean_by_cell(speed, cell, np.ones(cell.size, dtype=bool), grid))
     momentum = particles.density[fluid][row] * particle_volume(case) * speed**2
     flux = np.bincount(cell, momentum, minlength=grid.x.size) / grid.area
-    return Flow(depth, mean_speed, flux)
+    whole = whole_depth(case, position, velocity, particles.kind[fluid])
+    return Flow(pile.depth, mean_speed, flux, *whole)
 
 
 def energies(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -93,7 +95,7 @@ def _pull_back(boxes: Boxes, bodies: list[Body], case: ResolvedCase) -> None:
     back = PULLED_BACK * d0 if case.dimension == 3 else 0.0
     covered = np.array(
         [
-            [[_is_covered(b, axis, end, bodies, case) for end in (0, 1)] for axis in range(3)]
+            [[_is_covered(b, axis, end, bodies, ways, case) for end in (0, 1)] for axis in range(3)]
             for b in range(len(boxes.origin))
         ]
     )
@@ -110,8 +112,18 @@ def _pull_back(boxes: Boxes, bodies: list[Body], case: ResolvedCase) -> None:
         faces[b, axis] = surface + _shift_beside(b, axis, end, boxes, d0)
 
 
-def _is_covered(b: int, axis: int, end: int, bodies: list[Body], case: ResolvedCase) -> bool:
-    """Return whether all of a face of a box, as far as the space reaches, lies in other boxes."""
+def _is_covered(
+    b: int,
+    axis: int,
+    end: int,
+    bodies: list[Body],
+    moving: Container[int],
+    case: ResolvedCase,
+) -> bool:
+    """Return whether all of a face of a box, as far as the space reaches, lies in other boxes.
+
+    Those that are parts of walls that move do not count.
+    """
     body, space, d0 = bodies[b], domain(case), case.particles.spacing
     ends = (body.x, body.y, body.z)
     if not np.isfinite(ends[axis][end]):
@@ -132,9 +144,8 @@ def _is_covered(b: int, axis: int, end: int, bodies: list[Body], case: ResolvedC
     own = np.stack([grid.ravel() for grid in np.meshgrid(*lines, indexing="ij")], axis=1)
     places = np.array(body.origin) + own @ body.axes
     inside = np.zeros(len(places), dtype=bool)
-    ways = trajectories(case)
     for other in bodies[:b] + bodies[b + 1 :]:
-        if not (body.is_floor and other.is_floor) and other.number not in ways:
+        if not (body.is_floor and other.is_floor) and other.number not in moving:
             inside |= other.holds(places)
     return bool(inside.all())
 

@@ -176,11 +176,12 @@ def _edges(length: float, d0: float) -> Floats:
 def _obstacle_height(case: ResolvedCase, x: Floats, y: Floats) -> Floats:
     """Return the height of the boxes that stand on the floor or on each other, m.
 
-    What hangs over the floor, as a bridge, raises it not: flow passes under it.  Nor does a mesh.
+    What hangs over the floor, as a bridge, raises it not: flow passes under it.  Nor does what
+    moves, or a mesh.
     """
     d0 = case.particles.spacing
     height = np.zeros_like(x)
-    boxes = [part for part in case.obstacle if isinstance(part, BoxObstacle)]
+    boxes = [p for p in case.obstacle if isinstance(p, BoxObstacle) and p.motion is None]
     for box in sorted(boxes, key=lambda box: box.extents[-1][0]):
         inside, (foot, top) = np.ones(x.size, dtype=bool), box.extents[-1]
         for value, (start, end) in zip((x, y), box.extents[:-1], strict=False):

@@ -60,11 +60,7 @@ def sides_of(case: ResolvedCase) -> Sides:
         surface = _cut(_sides(shape), d0)
         if part.motion is None:
             surface = surface[~_on_walls(surface, case)]
-        depths = (np.arange(wall_layers(case)) + 0.5) * d0
-        whole = shapely.union_all([shape, *(_walls(shape, case) if part.motion is None else ())])
-        inner = [whole.buffer(-depth, join_style="mitre", mitre_limit=SHARPEST) for depth in depths]
-        rows = _cut(np.concatenate([_sides(one) for one in inner]), d0)
-        rows = rows[in_polygon(part, rows.mean(axis=1))]
+        rows = _cut(np.concatenate(rows_of(part, case)), d0)
         for shift in shifts:
             for pieces, are_faces in ((surface, True), (rows, False)):
                 ends.append(pieces + np.array([shift, 0.0]))
@@ -77,12 +73,34 @@ def sides_of(case: ResolvedCase) -> Sides:
     )
 
 
-def _walls(shape: shapely.Polygon, case: ResolvedCase) -> list[shapely.Polygon]:
-    """Return the walls that stand still, as far as rows under the surface of a polygon see them.
+def rows_of(part: PolygonObstacle, case: ResolvedCase) -> list[Floats]:
+    """Return the rows that fill a polygon, layer by layer from its surface, (n, 2, 2) arrays, m.
 
-    Rows lie under the surface of a polygon and what it stands on as one: under a base there are
-    none, which a wedge, thin at its toe, would not have room for.
+    A polygon that stands still and the walls that it touches have one surface: under its base there
+    are no rows, for which a wedge would have no room at its toe.
     """
+    shape, d0 = shapely.Polygon(part.corners), case.particles.spacing
+    whole = shapely.union_all([shape, *(_walls(shape, case) if part.motion is None else ())])
+    room = shape.buffer(-SLACK * d0, join_style="mitre", mitre_limit=SHARPEST)
+    depths = (np.arange(wall_layers(case)) + 0.5) * d0
+    inner = [whole.buffer(-depth, join_style="mitre", mitre_limit=SHARPEST) for depth in depths]
+    return [_within(_sides(one), room) for one in inner]
+
+
+def _within(sides: Floats, shape: shapely.Polygon) -> Floats:
+    """Return the parts of sides that lie in a polygon, turned as they are."""
+    kept = [np.zeros((0, 2, 2))]
+    for start, end in sides:
+        way = (end - start) / np.sum((end - start) ** 2)
+        for part in shapely.get_parts(shapely.LineString((start, end)) & shape):
+            ends = (shapely.get_coordinates(part) - start) @ way
+            if ends.size > 1:
+                kept.append(start + np.sort(ends[[0, -1], None], axis=0) * (end - start))
+    return np.concatenate([part.reshape(-1, 2, 2) for part in kept])
+
+
+def _walls(shape: shapely.Polygon, case: ResolvedCase) -> list[shapely.Polygon]:
+    """Return the walls and boxes that stand still, as far as they come near a polygon."""
     reach = (wall_layers(case) + 1) * case.particles.spacing
     x, y, far_x, far_y = shape.buffer(reach, join_style="mitre").bounds
     size, around = 4.0 * (far_x - x + far_y - y), shapely.box(x, y, far_x, far_y)

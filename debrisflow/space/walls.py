@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import shapes
-from debrisflow.case.bodies import BoxObstacle, MeshObstacle
+from debrisflow.case.bodies import BoxObstacle, MeshObstacle, PolygonObstacle
 from debrisflow.case.regions import MESH_SLACK, surface_of
 from debrisflow.case.resolved import (
     ResolvedCase,
@@ -41,6 +41,7 @@ from debrisflow.space.domain import (
 )
 from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import height_over_floor, runout_bend
+from debrisflow.space.polygons import rows_of
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]
@@ -86,8 +87,28 @@ def wall_points(case: ResolvedCase) -> WallPoints:
         if isinstance(obstacle, MeshObstacle) and is_three_dimensional(shape):
             points = _felt_by_surface(points, points.name == number, obstacle, shape, case)
     if runout is not None and isinstance(shape, shapes.ChannelShape):
-        return _with_runout(points, shape, runout, case)
-    return points
+        points = _with_runout(points, shape, runout, case)
+    polygons = [
+        _points_of_polygon(obstacle, number, case)
+        for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES))
+        if isinstance(obstacle, PolygonObstacle)
+    ]
+    return _joined(points, *polygons)
+
+
+def _points_of_polygon(part: PolygonObstacle, number: int, case: ResolvedCase) -> WallPoints:
+    """Return wall particles in rows along the sides of a polygon, a spacing apart or nearly so."""
+    d0, found = case.particles.spacing, []
+    for layer, row in enumerate(rows_of(part, case), start=1):
+        for start, end in row:
+            along, length = end - start, float(np.hypot(*(end - start)))
+            count = max(1, round(length / d0))
+            position, normal = np.zeros((2, count, 3))
+            position[:, :2] = start + (np.arange(count)[:, None] + 0.5) / count * along
+            normal[:, :2] = np.array([along[1], -along[0]]) / length
+            layers, depth = np.full(count, layer), np.full(count, (layer - 0.5) * d0)
+            found.append(WallPoints(position, layers, np.full(count, number), normal, depth))
+    return _joined(*found)
 
 
 def _cells_of(case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:

@@ -23,7 +23,7 @@ def state():
     particles.pressure[:4] = [np.nan, -0.0, np.inf, 5e-324]
     particles.fluid_count, particles.inflow_count, particles.wall_count = 20, 5, 15
     counts = [np.array([i, i + 1, 2**40]) for i in range(3)]
-    maxima = Maxima(*rng.uniform(0.0, 9.0, (5, 30)))
+    maxima = Maxima(*rng.uniform(0.0, 9.0, (5, 30)), rested=rng.random(30) < 0.5)
     maxima.arrival_time[::4] = np.nan
     sediment = [rng.uniform(0.0, 9.0, 3) for _ in range(3)]
     sums = {"section": rng.uniform(-9.0, 9.0, (2, 3)), "wall": np.array([1 / 3, -0.0, 5e-324])}

@@ -4,6 +4,7 @@ import pytest
 
 from debrisflow.run.forecast import forecast
 from tests.building import tank3d_case, tank_case
+from tests.recording import channel_case
 
 
 def test_a_slow_speed_of_sound_is_warned_of():
@@ -70,3 +71,10 @@ def test_a_patch_smaller_than_a_spacing_is_warned_of():
     told = str(forecast(tank3d_case(probe=probes)))
     assert "warning        small, tiny: patch smaller than a spacing" in told
     assert "warning" not in str(forecast(tank3d_case(probe=probes[:1])))
+
+
+def test_the_rows_over_the_depths_are_told():
+    case = channel_case(inflow={"depth": 0.04, "velocity": 1.0})
+    found = forecast(case)
+    assert found.rows == {"fill.0": 5, "inflow": 2}
+    assert "rows           over depths, fill.0: 5, inflow: 2" in str(found)

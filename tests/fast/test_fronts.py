@@ -4,13 +4,18 @@ import numpy as np
 import pytest
 
 from debrisflow.particles.record import Kind
+from debrisflow.results import open_run
 from debrisflow.results.answers import answers
 from debrisflow.results.fronts import arrival, front_table
+from debrisflow.results.postprocess import postprocess
+from debrisflow.results.survey import survey
+from debrisflow.run.probes import columns_of
 from tests.recording import (
     cells,
     channel3d_case,
     channel_case,
     placed,
+    record,
     sliding,
     state_of,
     surveyed,
@@ -71,11 +76,10 @@ def test_the_front_of_a_block_has_the_speed_of_the_block(block):
 
 
 def test_a_block_arrives_at_stations_when_its_front_does(block):
-    found = figures(block)
-    assert np.isnan(found["arrival_at_0.3_m"])  # it was there
-    assert found["arrival_at_1_m"] == pytest.approx((1.0 - 0.49) / 1.5)
-    assert found["arrival_at_1.75_m"] == pytest.approx((1.75 - 0.49) / 1.5)
-    assert np.isnan(found["arrival_at_3_m"])
+    x = np.array([0.3, 1.0, 1.75, 3.0])
+    expected = np.where((x > 0.49) & (x < 2.0), (x - 0.49) / 1.5, np.nan)  # it was at the first
+    np.testing.assert_array_equal(block.station_figures["station"], x)
+    np.testing.assert_allclose(block.station_figures["arrival"], expected)
 
 
 def test_the_farthest_front_is_where_the_flow_turned_back(tmp_path):
@@ -168,6 +172,91 @@ def test_without_gravity_there_is_a_run_out_but_no_fall(tmp_path):
     found = surveyed(tmp_path, case, sliding(case, particles, [0.0, 1.0])).mobility
     assert found.runout == pytest.approx(9.0 * D0 + 1.0)
     assert np.isnan([found.fall, found.travel, found.equivalent_friction]).all()
+
+
+def wave(case, times, speed=1.0):
+    """Yield states of a bed five rows deep over the whole length, with a wave that comes along it.
+
+    The bed rests in the first state; then all of it moves, as water before a wave does.
+    """
+    bed = cells(case, range(200), range(5))
+    for time in times:
+        columns = np.arange(40) + round(speed * time / D0)
+        position = np.vstack([bed, cells(case, columns, range(5, 9))])
+        velocity = 0.0 if time == 0.0 else 0.3
+        yield state_of(case, placed(case, position, Kind.LIQUID, velocity), time)
+
+
+def test_a_wave_over_water_that_was_there_arrives_when_the_level_rises(tmp_path):
+    case = channel_case()
+    states = wave(case, np.arange(0.0, 1.55, 0.1))
+    found = surveyed(tmp_path, case, states, (0.5, 1.2, 2.0, 3.5))
+    arrived = found.station_figures["arrival"]
+    np.testing.assert_allclose(arrived[1:3], [1.2 - 0.8, 2.0 - 0.8], atol=2 * D0)
+    assert np.isnan(arrived[[0, 3]]).all()  # it was at the first, and not yet at the last
+    cell = found.run.maxima
+    came = cell["arrival_time"][np.isclose(cell["x"], 1.22)]
+    np.testing.assert_allclose(came, 1.22 - 0.8, atol=0.1)
+    assert np.isnan(cell["arrival_time"][cell["x"] > 2.5]).all()
+
+
+@pytest.mark.parametrize(("standing", "arrival"), [(0.1, 0.3), (0.0, 0.1)])
+def test_at_a_section_water_arrives_when_it_is_deeper_than_what_was_there(
+    tmp_path, standing, arrival
+):
+    probe = {"type": "section", "name": "gate", "x": 1.0, "interval": 0.1}
+    case = channel_case(probe=[probe])
+    folder = record(tmp_path, case, wave(case, [0.0, 0.5]))
+    time = 0.1 * np.arange(5)
+    depth = standing + np.array([0.0, 0.005, 0.009, 0.02, 0.04])
+    passed = np.array([0.0, 1e-4, 2e-4, 3e-4, 4e-4])
+    names = [column.name for column in columns_of(case.probe[0], 2)]
+    known = {"depth": depth, "volume": passed}
+    rows = np.column_stack([time, *(known.get(name, 0.0 * time) for name in names)])
+    head = ",".join(["time", *names])
+    np.savetxt(folder / "probes/gate.csv", rows, delimiter=",", header=head, comments="")
+    assert figures(survey(open_run(folder)))["gate_arrival"] == pytest.approx(arrival)
+
+
+def test_what_fills_the_whole_length_has_no_run_out(tmp_path):
+    case = channel_case()
+    found = surveyed(tmp_path, case, wave(case, [0.0, 0.5, 1.0]))
+    told = figures(found)
+    assert found.mobility is None
+    assert [name for name in told if name.startswith(("runout", "front_farthest", "equi"))] == []
+    assert told["front_speed_greatest"] == pytest.approx(1.0, rel=0.05)
+    _, lines = postprocess(found)
+    assert "no run-out: there was fluid over the whole length from the start" in lines
+
+
+def test_what_is_supplied_over_a_bed_has_a_run_out(tmp_path):
+    case = channel_case(inflow={"depth": 0.1, "velocity": 1.0})
+    found = surveyed(tmp_path, case, wave(case, [0.0, 0.5, 1.0]))
+    assert found.mobility.toe == pytest.approx(40 * D0 + 1.0, abs=D0)
+
+
+def two_phases(case, times):
+    """Yield states in which water runs ahead of sediment."""
+    position = cells(case, range(20), range(10))
+    kind = np.where(position[:, 1] < 0.1, Kind.SEDIMENT, Kind.LIQUID)
+    velocity = np.where(kind == Kind.SEDIMENT, 1.0, 2.0)
+    return sliding(case, placed(case, position, kind, velocity), times)
+
+
+def test_the_run_out_of_two_phases_is_that_of_the_sediment_and_the_water_is_beside_it(tmp_path):
+    case = channel_case()
+    found = surveyed(tmp_path, case, two_phases(case, [0.0, 0.5, 1.0]), (1.0, 2.0))
+    told = figures(found)
+    assert found.headline == "sediment"
+    assert told["front_farthest"] == pytest.approx(19.5 * D0 + 1.0)
+    assert told["water_front_farthest"] == pytest.approx(19.5 * D0 + 2.0)
+    assert told["runout_length"] == pytest.approx(19.0 * D0 + 1.0)
+    assert told["water_runout_length"] == pytest.approx(19.0 * D0 + 2.0)
+    assert told["front_speed_greatest"] == pytest.approx(1.0)
+    table = found.station_figures
+    np.testing.assert_allclose(table["sediment_arrival"], [1.0 - 0.39, np.nan])
+    np.testing.assert_allclose(table["water_arrival"], [(1.0 - 0.39) / 2, (2.0 - 0.39) / 2])
+    np.testing.assert_array_equal(table["arrival"], table["water_arrival"])
 
 
 def test_what_never_moves_has_no_mobility(tmp_path):

@@ -96,10 +96,11 @@ def test_heights_of_a_deposit_on_a_runout_are_along_its_normal():
     bend = np.radians(12.0)
     along = np.arange(0.2, 0.8, D0 / 2)
     depth = 0.05
-    position = np.zeros((along.size, 3))
-    position[:, 0] = 1.0 + along * np.cos(bend) - depth * np.sin(bend)
-    position[:, 1] = along * np.sin(bend) + depth * np.cos(bend)
-    rows = along.size
+    rows = 5 * along.size
+    along, height = (v.ravel() for v in np.meshgrid(along, depth * np.arange(1, 6) / 5.0))
+    position = np.zeros((rows, 3))
+    position[:, 0] = 1.0 + along * np.cos(bend) - height * np.sin(bend)
+    position[:, 1] = along * np.sin(bend) + height * np.cos(bend)
     profile = deposit_profile(
         case,
         position,

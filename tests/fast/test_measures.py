@@ -5,8 +5,9 @@ import pytest
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
+from debrisflow.particles.maxima import is_reached
 from debrisflow.particles.record import Kind
-from debrisflow.run.measures import deposit_profile, energies, fronts
+from debrisflow.run.measures import deposit_profile, energies, flow_height, fronts, whole_depth
 from debrisflow.space.gravity import gravity_vector
 
 D0 = 0.01
@@ -119,7 +120,7 @@ def test_one_particle_that_flows_does_not_end_the_deposit():
 
 
 def test_what_hangs_above_a_gap_is_no_deposit():
-    assert Pile([0, 1], [2, 3]).profile()[:2] == pytest.approx((0.0, 0.04))
+    assert Pile([0, 1], [2, 3]).profile()[:2] == pytest.approx((0.0, 0.02))
 
 
 def test_disorder_within_half_a_spacing_does_not_break_a_heap():
@@ -133,6 +134,19 @@ def test_a_drop_is_no_flow():
     pile.number_density[pile.row(7)] = 0.49 * N0
     pile.kind[pile.row(7)] = Kind.LIQUID
     assert pile.profile() == pytest.approx((0.02, 0.02, 1.0))
+
+
+@pytest.mark.parametrize("row", [4, 7, 40])
+def test_spray_does_not_make_a_flow_deeper(row):
+    pile = Pile([0, 1], [0, 1, row])
+    pile.kind[:] = Kind.LIQUID
+    pile.kind[pile.row(row)] = Kind.MIXTURE
+    assert pile.profile()[1:] == pytest.approx((0.02, 0.0))
+
+
+def test_what_flies_over_a_dry_floor_is_as_deep_as_it_is_thick():
+    pile = Pile([0, 1], [10, 11, 12, 30])
+    assert pile.profile()[1:] == pytest.approx((0.03, 1.0))
 
 
 def test_walls_and_waiting_supply_are_no_deposit():
@@ -163,6 +177,37 @@ def test_fronts_are_those_of_what_flows_by_phase():
     front = fronts(channel(), position, velocity, kind)
     expected = {"liquid": 0.1, "sediment": 0.2, "mixture": np.nan, "all": 0.2}
     assert front == pytest.approx(expected, nan_ok=True)
+
+
+def bed_with_a_wave(columns):
+    """Return a wet bed that moves everywhere, on which a wave has come up to some columns."""
+    bed, wave = Pile(range(100), range(5), Kind.LIQUID), Pile(columns, range(5, 8), Kind.LIQUID)
+    position = np.vstack([bed.position, wave.position])
+    return position, np.tile([0.2, 0.0, 0.0], (len(position), 1)), np.full(len(position), 0)
+
+
+def test_water_that_was_there_is_behind_the_front_until_it_rises():
+    case = channel(bed_start=0.0, bed_end=1.0, bed_thickness=0.0)
+    first = Pile(range(100), range(5), Kind.LIQUID)
+    start, rested = whole_depth(case, first.position, first.velocity, first.kind)
+    assert rested.all()
+    for columns, front in ((range(0), np.nan), (range(30), 0.295)):
+        position, velocity, kind = bed_with_a_wave(columns)
+        depth = flow_height(case, position, kind, np.full(kind.size, N0), N0)
+        reached = is_reached(depth, start, rested, D0)
+        found = fronts(case, position, velocity, kind, reached, share=1.0)
+        assert found["all"] == pytest.approx(front, nan_ok=True)
+        assert fronts(case, position, velocity, kind)["all"] > 0.9
+
+
+def test_a_front_over_a_dry_floor_is_the_same_wherever_its_source_stood():
+    case = channel(bed_start=0.0, bed_end=1.0, bed_thickness=0.0)
+    pile = Pile(range(60), range(10), Kind.LIQUID)
+    velocity = np.tile([1.0, 0.0, 0.0], (600, 1))
+    reached = np.arange(50) >= 20  # half of the flow is still where it stood
+    for given in (None, reached):
+        found = fronts(case, pile.position, velocity, pile.kind, given)
+        assert found["all"] == pytest.approx(0.595)
 
 
 def test_gravity_of_a_slope_keeps_its_magnitude_and_runs_down_the_channel():

@@ -124,7 +124,7 @@ def test_what_hangs_above_a_gap_is_no_deposit_in_any_cell():
     found = deposit(case, lattice_without(p, gone))
     np.testing.assert_allclose(found["deposit_height"][:4], 0.2)
     np.testing.assert_allclose(found["deposit_height"][4], 0.0)
-    np.testing.assert_allclose(found["flow_height"], 0.6)
+    np.testing.assert_allclose(found["flow_height"], 0.2)
 
 
 def lattice_without(particles, gone):
@@ -161,7 +161,7 @@ def test_the_top_of_an_obstacle_is_the_floor_and_a_beam_is_not():
     np.testing.assert_allclose(raised, expected)
     found = deposit(case, lattice(case, range(4, 6), range(6), [3, 4]))
     np.testing.assert_allclose(found["deposit_height"][2], [0.0, 0.2, 0.0])
-    np.testing.assert_allclose(found["flow_height"][2], [0.5, 0.2, 0.5])
+    np.testing.assert_allclose(found["flow_height"][2], 0.2)  # beside the box it flies
 
 
 def test_obstacles_stand_on_each_other():
@@ -190,7 +190,7 @@ def test_flow_is_depth_mean_speed_and_momentum_flux():
     case = tank()
     p = lattice(case, [0, 1], [0, 1], range(3))
     p.velocity[:, 0] = np.where(p.position[:, 2] < 0.1, 0.0, 3.0)
-    depth, speed, flux = flow(case, p, N0)
+    depth, speed, flux, *_ = flow(case, p, N0)
     assert (depth[0], speed[0]) == pytest.approx((0.3, 2.0))
     assert flux[0] == pytest.approx(p.density[0] * 3.0**2 * 0.2)  # rho u^2 h of two layers
     assert not np.any([depth[1:], speed[1:], flux[1:]])
@@ -203,7 +203,7 @@ def test_drops_are_no_flow():
     high = p.position[:, 2] > 0.2
     p.number_density[high] = 0.49 * N0
     p.velocity[high] = 9.0
-    depth, speed, _ = flow(case, p, N0)
+    depth, speed, *_ = flow(case, p, N0)
     assert (depth[0], speed[0]) == pytest.approx((0.2, 1.0))
 
 
@@ -229,8 +229,28 @@ def test_a_flow_arrives_over_a_bed_where_it_is_deeper_than_at_the_start():
     maxima = no_maxima(3)
     still = np.zeros(3)
     for time, depth in ((0.0, [0.5, 0.5, 0.0]), (0.1, [0.54, 0.56, 0.1]), (0.2, [0.6, 0.4, 0.3])):
-        maxima.include(time, np.array(depth), still, still, spacing=D0)
+        depth = np.array(depth)
+        maxima.include(time, depth, still, still, depth, depth > 0.0, spacing=D0)
     np.testing.assert_array_equal(maxima.arrival_time, [0.2, 0.1, 0.1])
+
+
+def test_a_flow_has_come_where_nothing_rested_or_it_has_risen():
+    maxima, depth = no_maxima(4), np.array([0.5, 0.5, 0.5, 0.0])
+    assert maxima.reached(depth, D0).all()  # before the first sample
+    rests = np.array([True, True, False, False])
+    maxima.include(0.0, depth, 0.0 * depth, 0.0 * depth, depth, rests, spacing=D0)
+    now = np.array([0.54, 0.56, 0.3, 0.01])
+    np.testing.assert_array_equal(maxima.reached(now, D0), [False, True, True, True])
+
+
+def test_a_film_that_rested_is_not_a_flow():
+    case = tank()
+    p = lattice(case, range(10), range(6), [0])
+    p.number_density[:] = 0.3 * N0
+    found = flow(case, p, N0)
+    assert not found.depth.any()
+    np.testing.assert_allclose(found.whole_depth, D0)
+    assert found.rests.all()
 
 
 def test_energies_are_those_of_cubes():

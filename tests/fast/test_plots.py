@@ -7,6 +7,12 @@ from matplotlib.image import imread
 
 from debrisflow.cli import main
 from debrisflow.particles.record import Kind
+from debrisflow.results.plots.curves import (
+    hydrograph_figure,
+    normalized_figure,
+    profile_figure,
+)
+from debrisflow.results.plots.maps import flow_figure
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.references import Reference
 from debrisflow.run.folder import RunFolder
@@ -30,14 +36,15 @@ PLOTS = {
     "maxima",
     "budget",
 }
+OF_WATER = PLOTS - {"deposit"} | {"flow"}
 TIMES = [0.0, 0.1, 0.2]
 
 
-def drawn(found, given=()):
+def drawn(found, given=(), expected=PLOTS):
     """Return the plots of a survey, each checked to be whole and not blank."""
     files, _ = postprocess(found, given)
     plots = [file for file in files if file.suffix == ".png"]
-    assert {file.stem for file in plots} == PLOTS
+    assert {file.stem for file in plots} == expected
     for file in plots:
         assert file.stat().st_size > 20_000, file
         image = imread(file)[..., :3]
@@ -79,19 +86,55 @@ def test_a_flow_in_three_dimensions_is_drawn(tmp_path):
 def test_an_even_layer_is_a_map_of_one_color(tmp_path):
     case = channel3d_case()
     particles = placed(case, cells(case, range(80), range(8), range(5)))
-    drawn(surveyed(tmp_path, case, [state_of(case, particles)]))
+    still = {"profiles", "deposit", "maxima", "budget"}
+    drawn(surveyed(tmp_path, case, [state_of(case, particles)]), expected=still)
+
+
+@pytest.mark.parametrize("build", [channel_case, channel3d_case])
+def test_water_alone_has_no_plots_of_grains(tmp_path, build):
+    case = build()
+    states = sliding(case, layer(case, Kind.LIQUID, columns=40), TIMES)
+    found = surveyed(tmp_path, case, states, (0.2, 0.5))
+    figures = [
+        profile_figure(found, ()),
+        normalized_figure(found, (), ()),
+        hydrograph_figure(found),
+        flow_figure(found, ()),
+    ]
+    words = " ".join(
+        text
+        for figure in figures
+        for axes in figure.axes
+        for text in (axes.get_xlabel(), axes.get_ylabel(), *axes.get_legend_handles_labels()[1])
+    )
+    for word in ("concentration", "density", "granular", "grains", "dilatant", "sediment"):
+        assert word not in words
+    drawn(found, expected=OF_WATER)
+
+
+def test_a_plot_in_which_there_is_no_longer_anything_is_removed(tmp_path):
+    case = channel_case()
+    states = sliding(case, layer(case), TIMES)
+    found = surveyed(tmp_path, case, states)
+    old = tmp_path / "postprocess/flow.png"
+    old.parent.mkdir()
+    old.touch()
+    drawn(found)
+    assert not old.exists()
 
 
 @pytest.mark.parametrize("build", [channel_case, channel3d_case])
 def test_a_run_with_nothing_in_it_is_drawn(tmp_path, build):
     case = build()
-    drawn(surveyed(tmp_path, case, [state_of(case, placed(case, np.zeros((0, 3))))]))
+    found = surveyed(tmp_path, case, [state_of(case, placed(case, np.zeros((0, 3))))])
+    drawn(found, expected={"budget"})
 
 
 def test_a_run_whose_fills_settle_is_drawn(tmp_path):
     case = channel_case(shape={"periodic": True})
     states = sliding(case, layer(case), [-0.2, -0.1])
-    drawn(surveyed(tmp_path, case, states, (0.5, 1.0)))
+    found = surveyed(tmp_path, case, states, (0.5, 1.0))
+    drawn(found, expected=PLOTS - {"hydrographs"})  # there are no volumes where x repeats
 
 
 def test_the_command_writes_all_that_overwriting_a_run_removes(tmp_path):
@@ -101,7 +144,7 @@ def test_the_command_writes_all_that_overwriting_a_run_removes(tmp_path):
     result = CliRunner().invoke(main, ["postprocess", str(folder), *options])
     assert result.exit_code == 0, result.output
     files = list((folder / "postprocess").iterdir())
-    assert len(files) == 9 + len(PLOTS)
+    assert len(files) == 10 + len(PLOTS)
     assert [file for file in files if f"wrote {file}\n" not in result.stdout] == []
     assert "front_farthest = " in result.stdout
     assert "distance to dilatant, u_over_us, x = 0.5 m: rms 0." in result.stdout

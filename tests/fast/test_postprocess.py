@@ -90,6 +90,7 @@ TABLES = (
     "profiles",
     "mean_profiles",
     "hydrographs",
+    "stations",
     "deposit_profile",
     "budget",
     "momentum",

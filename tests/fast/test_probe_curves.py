@@ -10,9 +10,9 @@ from debrisflow.cli import main
 from debrisflow.errors import OutputError
 from debrisflow.results import open_run
 from debrisflow.results.compare import compare
-from debrisflow.results.plots.probes import curves_to_draw
+from debrisflow.results.plots.probes import compared_probes, curves_to_draw
 from debrisflow.results.postprocess import postprocess
-from debrisflow.results.probe_curves import ProbeCurve, figures_of, running_mean
+from debrisflow.results.probe_curves import ProbeCurve, probe_figures, running_mean
 from debrisflow.results.references import distances, read_reference
 from debrisflow.results.survey import survey
 from debrisflow.run.folder import DERIVED
@@ -86,18 +86,25 @@ def test_a_running_mean_keeps_straight_lines_and_the_integral_of_a_pulse():
     np.testing.assert_array_equal(running_mean(time[:1], values[:1], 1.0), values[:1])
 
 
-def curve_of(values, span=0.1, unit="Pa", time=TIME):
+def curve_of(values, span=0.1, unit="Pa", time=TIME, **known):
     smooth = running_mean(time, values, span)
-    return ProbeCurve("p", "c", unit, time, values, smooth, np.nan, span, values, values)
+    extremes = {"least": values, "greatest": values} | known
+    return ProbeCurve("p", "c", unit, time, values, smooth, np.nan, span, **extremes)
+
+
+def figures_of(curve, window=(0.0, 1.0)):
+    """Return the figures of a curve that a probe has alone."""
+    (row,) = probe_figures([curve], window)
+    return row
 
 
 def test_the_peak_is_that_of_single_steps_where_the_probe_keeps_them():
     values = 0.6 * pulse(TIME)
-    curve = curve_of(values)._replace(least=values - 900.0, greatest=pulse(TIME))
-    row = figures_of(curve, (0.0, 1.0))
+    curve = curve_of(values, least=values - 900.0, greatest=pulse(TIME))
+    row = figures_of(curve)
     assert (row.peak, row.peak_time) == pytest.approx((1000.0, 0.5))
     assert row.smooth_peak < 600.0
-    row = figures_of(curve._replace(least=-2.0 * pulse(TIME)), (0.0, 1.0))
+    row = figures_of(curve._replace(least=-2.0 * pulse(TIME)))
     assert row.peak == pytest.approx(-2000.0)
 
 
@@ -116,10 +123,39 @@ def test_a_pulse_has_its_peak_arrival_and_deviation():
 def test_a_step_arrives_when_it_comes_whatever_the_running_mean(span):
     step = np.where(TIME > 0.395, 500.0, 0.0)
     spike = np.where(np.abs(TIME - 0.1) < 1e-9, 600.0, 0.0)  # of a particle that passes
-    assert figures_of(curve_of(step, span), (0.0, 1.0)).arrival == pytest.approx(0.40)
+    assert figures_of(curve_of(step, span)).arrival == pytest.approx(0.40)
     if span == 0.3:
-        arrival = figures_of(curve_of(step + 0.01 * spike, span), (0.0, 1.0)).arrival
+        arrival = figures_of(curve_of(step + 0.01 * spike, span)).arrival
         assert arrival == pytest.approx(0.40)
+
+
+def test_a_wave_arrives_over_standing_water_when_the_level_rises_half_a_spacing():
+    # a ripple of a tenth of a spacing runs ahead of a bore that is 1.2 spacings high
+    level = 0.05 + 0.001 * (TIME > 0.095) + 0.012 * np.clip((TIME - 0.4) / 0.1, 0.0, 1.0)
+    assert figures_of(curve_of(level, unit="m", rise=0.005)).arrival == pytest.approx(0.44)
+    falling = figures_of(curve_of(0.06 - level, unit="m", rise=0.005))
+    assert np.isnan(falling.arrival)
+
+
+def test_what_was_dry_is_reached_when_it_is_wet():
+    late = TIME[30:]
+    row = figures_of(curve_of(2.0 - late, unit="m/s", time=late, was_dry=True))
+    assert row.arrival == pytest.approx(0.30)
+
+
+def test_the_pressure_of_water_that_stood_there_is_no_arrival():
+    # the first row of a mean has no step before it
+    values = 500.0 * (TIME > 0.0) + np.where(TIME > 0.595, 4000.0, 0.0)
+    row = figures_of(curve_of(values, was_pressed=True))
+    assert row.arrival == pytest.approx(0.60)
+
+
+def test_a_component_without_a_share_of_the_force_does_not_arrive():
+    values = {"x": pulse(TIME), "y": np.where(np.arange(TIME.size) % 2, 1.0, -1.0)}
+    curves = [curve_of(v)._replace(column=f"force_{axis}") for axis, v in values.items()]
+    along, across = probe_figures(curves, (0.0, 1.0))
+    assert along.arrival == pytest.approx(0.41)
+    assert np.isnan(across.arrival)
 
 
 def test_what_hardly_changes_has_no_arrival():
@@ -269,6 +305,64 @@ def test_runs_are_compared_by_the_probes_that_they_share(tmp_path, folder):
     assert known["gauge_reaction_peak"] == pytest.approx([1500.0, 1500.0])
     first, second = known["gauge_reaction_arrival"]
     assert second - first == pytest.approx(0.1, abs=0.011)
+
+
+def compared(folders, given, target):
+    """Run the command that compares runs with references."""
+    options = [part for path in given for part in ("--reference", str(path))]
+    return CliRunner().invoke(main, ["compare", *map(str, folders), *options, "-o", str(target)])
+
+
+def test_runs_are_compared_with_references(tmp_path, folder):
+    late = of_run(tmp_path / "late", late=0.1)
+    high = pulse(TIME) + 50.0
+    known = {"gauge__reaction": pulse(TIME), "level__height": 0.11 + 0.0 * TIME}
+    band = {"gauge__reaction__low": pulse(TIME) - 50.0, "gauge__reaction__high": high}
+    front = np.interp(TIME, [0.0, 1.0], [1.99, 2.99])
+    reference(tmp_path / "flume.csv", **known, **band, front_all=front)
+    result = compared([folder, late], [tmp_path / "flume.csv"], tmp_path / "both")
+    assert result.exit_code == 0, result.output
+    with (tmp_path / "both/distances.csv").open() as lines:
+        rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    assert [(row["run"], row["curve"]) for row in rows] == [
+        (run, curve)
+        for run in ("run", "late")
+        for curve in ("gauge.reaction", "level.height", "front_all")
+    ]
+    found = {(row["run"], row["curve"]): row for row in rows}
+    assert float(found["late", "gauge.reaction"]["shift"]) == pytest.approx(-0.1, abs=0.01)
+    assert float(found["run", "level.height"]["rms"]) == pytest.approx(0.01)
+    assert float(found["run", "front_all"]["rms"]) == pytest.approx(0.0, abs=1e-6)
+    assert float(found["run", "gauge.reaction"]["in_band"]) > 0.8
+    assert "distance to flume, gauge.reaction, late: rms" in result.output
+    assert "if the run is moved by -0.0" in result.output
+    assert "of the points within the band" in result.output
+    assert {"references.png", "probes.png"} <= {file.name for file in (tmp_path / "both").iterdir()}
+
+
+def test_references_are_drawn_into_the_curves_of_compared_runs(tmp_path, folder):
+    late = of_run(tmp_path / "late", late=0.1)
+    runs = [survey(open_run(path)) for path in (folder, late)]
+    given = [reference(tmp_path / "flume.csv", level__height=0.11 + 0.0 * TIME)]
+    figure = compared_probes(runs, ["run", "late"], given)
+    first = figure.axes[0]  # what is measured comes first
+    assert first.get_title(loc="left") == "level height"
+    assert first.get_legend_handles_labels()[1] == ["run", "late", "flume: height"]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("gauge__reactoin", "probe gauge has no column reactoin"),
+        ("front_al", "no column front_al to compare with among"),
+    ],
+)
+def test_runs_are_not_compared_with_a_column_that_they_lack(tmp_path, folder, name, message):
+    reference(tmp_path / "flume.csv", **{name: TIME})
+    result = compared([folder, folder], [tmp_path / "flume.csv"], tmp_path / "both")
+    assert result.exit_code == 3
+    assert message in result.output
+    assert "Traceback" not in result.output
 
 
 def test_the_report_has_a_table_of_probes(folder):

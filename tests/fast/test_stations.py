@@ -5,7 +5,9 @@ import pytest
 
 from debrisflow.particles.record import Kind
 from debrisflow.results.answers import answers
+from debrisflow.results.postprocess import postprocess
 from debrisflow.results.references import dilatant_profile, distances
+from debrisflow.results.report import report
 from tests.recording import (
     cells,
     channel3d_case,
@@ -187,11 +189,6 @@ def passing(case, position, kind, length):
         yield state
 
 
-def figures(found):
-    """Return the answers of a survey by quantity."""
-    return {row.quantity: row.value for row in answers(found)}
-
-
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_block_passes_a_station_to_the_particle_and_after_it_left(tmp_path, dimension):
     if dimension == 2:
@@ -219,11 +216,11 @@ def test_a_block_passes_a_station_to_the_particle_and_after_it_left(tmp_path, di
     np.testing.assert_allclose(table["depth"][within], depth)
     assert np.isnan(table["speed"][outside]).all()
     np.testing.assert_array_equal(table["depth"][outside], 0.0)
-    told = figures(found)
-    assert told["at_2_m_volume"] == pytest.approx(len(position) * volume)
-    assert told["at_2_m_sediment_volume"] == pytest.approx(grains * volume)
-    assert told["at_2_m_water_volume"] == pytest.approx((len(position) - grains) * volume)
-    assert told["at_2_m_discharge_peak"] == pytest.approx(section * SPEED)
+    told = found.station_figures
+    assert told["volume"] == pytest.approx(len(position) * volume)
+    assert told["sediment_volume"] == pytest.approx(grains * volume)
+    assert told["discharge_peak"] == pytest.approx(section * SPEED)
+    assert told["greatest_depth"] == pytest.approx(depth)
     total = np.trapezoid(table["sediment_discharge"], table["time"])
     assert total == pytest.approx(grains * volume, rel=0.02)
 
@@ -252,7 +249,24 @@ def test_a_case_that_repeats_has_depth_and_speed_but_no_volumes(tmp_path):
     np.testing.assert_allclose(found.hydrographs["depth"], 5 * D0)
     np.testing.assert_allclose(found.hydrographs["speed"], 1.0)
     assert np.isnan(found.hydrographs["volume"]).all()
-    assert np.isnan(figures(found)["at_0_m_volume"])
+    assert np.isnan(found.station_figures["volume"]).all()
+
+
+def test_stations_are_a_table_with_a_row_each(tmp_path):
+    case = channel_case()
+    particles = placed(case, cells(case, range(50), range(5)), Kind.LIQUID, velocity=1.0)
+    found = surveyed(tmp_path, case, sliding(case, particles, np.arange(0.0, 1.05, 0.1)))
+    _, lines = postprocess(found)
+    head = next(k for k, line in enumerate(lines) if line.split()[:3] == ["x,", "m", "arrival,"])
+    rows = [line.split() for line in lines[head + 1 : head + 8]]
+    assert [float(row[0]) for row in rows] == pytest.approx(found.stations)
+    assert [row[1] == "none" for row in rows] == [x < 1.0 or x > 1.99 for x in found.stations]
+    assert "grains" not in lines[head]
+    assert "sediment" not in lines[head]
+    assert not [row for row in answers(found) if row.quantity.startswith(("at_", "arrival_at"))]
+    page = report(found).read_text()
+    table = page.split("<h3>Stations</h3>")[1].split("</table>")[0]
+    assert table.count("<tr>") == 1 + len(found.stations)
 
 
 def test_a_station_given_twice_is_one(tmp_path):

@@ -234,6 +234,14 @@ def test_one_percent_of_the_particles_may_be_beyond_the_scale(run):
 
 
 @pytest.mark.usefixtures("screen")
+@pytest.mark.parametrize("by", ["concentration", "granular_temperature"])
+def test_what_is_0_everywhere_is_not_drawn(tmp_path, by):
+    folder = written(tmp_path / "run", tank3d_case(), frames=1)
+    with pytest.raises(OutputError, match=f"holds no grains at these times, so that {by} is 0"):
+        render(folder, by)
+
+
+@pytest.mark.usefixtures("screen")
 def test_the_first_frame_of_a_running_run_is_enough(tmp_path, two_phases):
     _, animation = render(written(tmp_path / "run", two_phases, frames=1))
     with Image.open(animation) as frames:

@@ -192,7 +192,13 @@ class SidePanels:
             x, level = face[:, 0], straightened(self.case, face[:, 0], face[:, up])
             faces.append(np.column_stack([x, level]))
         axes.add_collection(
-            PolyCollection(faces, facecolors=SOLID, edgecolors=SOLID, linewidths=0.5, alpha=0.6)
+            PolyCollection(
+                faces,
+                facecolors=SOLID,
+                edgecolors=SOLID,
+                linewidths=0.5,
+                alpha=1.0 if up == 1 else 0.6,  # in three dimensions particles stand behind
+            )
         )
 
     def close(self) -> None:

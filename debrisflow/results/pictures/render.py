@@ -39,6 +39,7 @@ from debrisflow.run.bar import bar
 from debrisflow.run.folder import PICTURES
 
 PANELS = 6
+OF_GRAINS = ("concentration", "granular_temperature")
 MOST_FRAMES = 100  # of an animation
 DOTS, DOTS_OF_ANIMATION = 250, 140  # per inch of a page's width
 SHORTEST, LONGEST, AT_END = 40, 250, 1500  # ms that a frame of an animation stands
@@ -77,8 +78,8 @@ def render(
     Raises
     ------
     OutputError
-        If the folder holds no frames or none at such times, a frame is missing or damaged, or
-        nothing can be rendered here.
+        If the folder holds no frames or none at such times, a frame is missing or damaged, the
+        colors are of grains and there are none, or nothing can be rendered here.
     """
     run = open_run(folder)
     if view is not None and run.case.dimension == 3:
@@ -89,6 +90,13 @@ def render(
     require_offscreen()
     with pyvista.vtk_verbosity("off"):  # VTK tells that there is no screen
         frames = [shown(run, number) for number in bar(chosen, desc="reading:", bar_format=BAR)]
+        if by in OF_GRAINS and not any(
+            frame.sediment_fraction[frame.fluid].any() for frame in frames
+        ):
+            raise OutputError(
+                f"{folder} holds no grains at these times, so that {by} is 0 everywhere: color by "
+                "another quantity"
+            )
         by = by or default_field(frames)
         painter = Painter(run, scale_of(frames, by), kinds_of(frames))
         views = views_of(run, frames, moving, view)

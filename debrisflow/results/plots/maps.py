@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,6 +28,31 @@ def deposit_figure(found: Survey, given: Sequence[Reference]) -> Figure:
     return _deposit_profiles(found, given)
 
 
+def flow_figure(found: Survey, given: Sequence[Reference]) -> Figure | None:
+    """Return the height of the flow of what holds no grains; None where there is none."""
+    deposits, last = found.deposits, found.deposits[-1]
+    if not any(one.table["flow_height"].any() for one in deposits):
+        return None
+    three = found.run.case.dimension == 3
+    figure, axes = panels(
+        1 + three, height=[map_height(last.grid), 2.3] if three else 2.3, sharex=True
+    )
+    if three:
+        label = f"flow, cm\nt = {last.time:g} s"
+        mapped(axes[0], last.grid, last.table["flow_height"], label, 100.0, contours=False)
+    highest = 0.0
+    for one, color in zip(deposits, sequence(len(deposits)), strict=True):
+        x, height = greatest_across(one.grid, one.table["flow_height"])
+        highest = max(highest, 100.0 * float(height.max()))
+        axes[-1].plot(x, 100.0 * height, color=color, label=_at(one))
+    _draw_references(given, dict.fromkeys(("flow_height", "water_depth"), axes[-1]))
+    word = "greatest flow height\nacross, cm" if three else "flow height, cm"
+    axes[-1].set(xlabel="x, m", ylabel=word)
+    axes[-1].set_ylim(bottom=0.0, top=max(1.05 * highest, axes[-1].get_ylim()[1]))
+    legend(axes[-1])
+    return figure
+
+
 def _deposit_profiles(found: Survey, given: Sequence[Reference]) -> Figure:
     deposits, last = found.deposits, found.deposits[-1]
     figure, (height, matter, change) = panels(3, height=2.2, sharex=True)
@@ -39,7 +64,7 @@ def _deposit_profiles(found: Survey, given: Sequence[Reference]) -> Figure:
     for name, shade in MATTER_COLORS.items():
         values = 100.0 * smoothed(last.grid, last.table[f"{name}_depth"])
         matter.plot(x, values, color=shade, label=f"{name}, {_at(last)}")
-    _draw_references(given, (height, matter, change))
+    _draw_references(given, _places(height, matter, change))
     height.set_ylabel("deposit over the\nfixed floor, cm")
     matter.set_ylabel("volume over\narea, cm")
     change.set(xlabel="x, m", ylabel="deposition, or\nerosion < 0, cm")
@@ -47,11 +72,14 @@ def _deposit_profiles(found: Survey, given: Sequence[Reference]) -> Figure:
     return figure
 
 
-def _draw_references(given: Sequence[Reference], axes: Sequence[Axes]) -> None:
-    """Draw curves over x into the axes of height, matter or change where they belong."""
-    height, matter, change = axes
+def _places(height: Axes, matter: Axes, change: Axes) -> dict[str, Axes]:
+    """Return the axes by the columns that belong into them."""
     places = {"sediment_depth": matter, "water_depth": matter, "bed_change": change}
-    places |= dict.fromkeys(("deposit_height", "flow_height", "deposit_depth"), height)
+    return places | dict.fromkeys(("deposit_height", "flow_height", "deposit_depth"), height)
+
+
+def _draw_references(given: Sequence[Reference], places: Mapping[str, Axes]) -> None:
+    """Draw curves over x into the axes where they belong."""
     for reference in given:
         if reference.abscissa == "x":
             for name in (name for name in reference.curves if name in places):
@@ -77,30 +105,32 @@ def _deposit_map(found: Survey, given: Sequence[Reference]) -> Figure:
         profile.plot(x, 100.0 * height, color=color, label=_at(one))
     x, height = greatest_across(last.grid, last.table["flow_height"])
     profile.plot(x, 100.0 * height, ":", color=BLUE, label=f"flow, {_at(last)}")
-    _draw_references(given, (profile, profile, profile))
+    _draw_references(given, _places(profile, profile, profile))
     profile.set(xlabel="x, m", ylabel="greatest height across,\ncm over the floor")
     legend(profile)
     return figure
 
 
-def maxima_figure(found: Survey) -> Figure:
-    """Return greatest depth, greatest speed and time of arrival over the plan."""
+def maxima_figure(found: Survey) -> Figure | None:
+    """Return greatest depth, greatest speed and time of arrival over the plan, those that are."""
     maxima, grid = found.run.maxima, found.deposits[-1].grid
-    shown = (
-        ("maximal_depth", "greatest depth, cm", 100.0),
-        ("maximal_speed", "greatest speed, m/s", 1.0),
-        ("arrival_time", "arrival, s", 1.0),
+    three = found.run.case.dimension == 3
+    known = (
+        ("maximal_depth", "greatest\ndepth, cm", 100.0, BLUE),
+        ("maximal_speed", "greatest\nspeed, m/s", 1.0, RED),
+        ("arrival_time", "arrival, s", 1.0, ORANGE),
     )
-    height = map_height(grid) if found.run.case.dimension == 3 else 2.2
-    figure, axes = panels(3, height=height, sharex=True)
-    for one, (name, label, scale), color in zip(axes, shown, (BLUE, RED, ORANGE), strict=True):
-        if found.run.case.dimension == 3:
+    shown = [one for one in known if np.nan_to_num(maxima[one[0]]).any()]
+    if not shown:
+        return None
+    height = map_height(grid) if three else 2.2
+    figure, axes = panels(len(shown), height=height, sharex=True)
+    for one, (name, label, scale, color) in zip(axes, shown, strict=True):
+        if three:
             mapped(one, grid, maxima[name], label, scale, contours=name != "maximal_speed")
         else:
             one.plot(grid.x, scale * maxima[name], color=color)
             one.set_ylabel(label)
-            if np.isnan(maxima[name]).all():
-                one.text(0.5, 0.5, "nowhere", transform=one.transAxes, ha="center", color=GRAY)
     axes[-1].set_xlabel("x, m")
     return figure
 

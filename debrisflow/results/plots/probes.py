@@ -24,12 +24,17 @@ def curves_to_draw(found: Survey, given: Sequence[Reference]) -> list[ProbeCurve
     """Return the curves of the probes, with those beside them that a reference has, by probe."""
     curves = list(found.probe_curves)
     known = {_key(one) for one in curves}
-    asked = [name for one in given if one.abscissa == "time" for name in one.curves]
-    for name in dict.fromkeys(asked):
-        if name not in known and name not in found.fronts:
+    for name in _asked(found, given):
+        if name not in known:
             curves.append(probe_curve(found.run, name, found.smoothing))
     order = [probe.name for probe in found.run.case.probe]
     return sorted(curves, key=lambda one: order.index(one.probe))
+
+
+def _asked(found: Survey, given: Sequence[Reference]) -> list[str]:
+    """Return the columns of probes that references have, each once."""
+    columns = [name for one in given if one.abscissa == "time" for name in one.curves]
+    return [name for name in dict.fromkeys(columns) if name not in found.fronts]
 
 
 def probe_figure(curves: Sequence[ProbeCurve], given: Sequence[Reference]) -> Figure:
@@ -46,31 +51,43 @@ def probe_figure(curves: Sequence[ProbeCurve], given: Sequence[Reference]) -> Fi
                 )
             one.plot(curve.time, curve.values, color=color, linewidth=THIN, alpha=0.5)
             one.plot(curve.time, curve.smooth, color=color, label=words)
-            name = _key(curve)
-            for reference in given:
-                if reference.abscissa == "time" and name in reference.curves:
-                    draw_reference(one, reference, name, f"{reference.name}: {words}", color)
+            _draw_references(one, given, curve, color)
         _name(one, part[0])
     _finish(axes, len(parts))
     legend(*axes)
     return figure
 
 
-def compared_probes(found: Sequence[Survey], names: Sequence[str]) -> Figure | None:
+def _draw_references(axes: Axes, given: Sequence[Reference], curve: ProbeCurve, color: str) -> None:
+    """Draw the curves of references that belong to one of a probe."""
+    for reference in given:
+        if reference.abscissa == "time" and _key(curve) in reference.curves:
+            label = f"{reference.name}: {curve.column.replace('_', ' ')}"
+            draw_reference(axes, reference, _key(curve), label, color)
+
+
+def compared_probes(
+    found: Sequence[Survey], names: Sequence[str], given: Sequence[Reference]
+) -> Figure | None:
     """Return the running means of the curves that all runs have, a panel each; None if none."""
-    known = [{(one.probe, one.column): one for one in each.probe_curves} for each in found]
+    curves_of = [curves_to_draw(each, given) for each in found]
+    known = [{(one.probe, one.column): one for one in curves} for curves in curves_of]
     common = [key for key in known[0] if all(key in curves for curves in known)]
     if not common:
         return None
+    # those that are measured first, since only so many are drawn
+    asked = _asked(found[0], given)
+    common.sort(key=lambda key: ".".join(key) not in asked)
     shown = common[:MOST_PANELS]
     figure, axes = panels(len(shown), height=HEIGHT, sharex=True)
     for key, one in zip(shown, axes, strict=True):
         for k, (curves, name) in enumerate(zip(known, names, strict=True)):
             curve, line = curves[key], LINES[k // len(CYCLE) % len(LINES)]
             one.plot(curve.time, curve.smooth, line, color=CYCLE[k % len(CYCLE)], label=name)
+        _draw_references(one, given, known[0][key], "black")
         _name(one, known[0][key], key[1].replace("_", " "))
     _finish(axes, len(common))
-    legend(axes[0])
+    legend(*axes[: max(1, len(asked))])
     return figure
 
 

@@ -18,6 +18,7 @@ from debrisflow.run.probe import Column, Sampler, extreme_columns
 from debrisflow.space.domain import WALL_NAMES, domain
 from debrisflow.space.floor import is_over_floor
 from debrisflow.space.plan_grid import floor_ends
+from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
 MEAN = "filled_height_mean"
@@ -136,6 +137,8 @@ class Height(Sampler):
             under &= away <= (0.5 + 1e-6) * self._d0
         x, y, _ = walls.position.T
         under &= is_over_floor(case, x, y)  # not a rim
+        for number in trajectories(case):
+            under &= walls.wall != number
         under &= (walls.kind == Kind.WALL) & (walls.wall_normal[:, self._up] > UPWARD)
         if not under.any():
             raise CaseError(f"probe '{self._name}': no floor under it looks up; move it aside")
