@@ -70,12 +70,11 @@ def test_the_reference_has_columns_of_the_case(name):
     assert set(given.curves) <= probes | set(FRONTS)
 
 
-# The tables start 10 to 20 ms before or after the release, in which the front moves a tenth of its
-# way: 10 % of the range at most, as in the validation rung.  With the clock left free, a front is
-# read to within a spacing or two, 2 % of the range; that of Koshizuka & Oka is slower by 8 % than
-# that of Martin & Moyce, so that 8 % is left.
+# Without a gate the front leads by 10 to 20 ms, in which it moves a tenth of its way: the limit of
+# the validation rung, 10 %.  Moved in time it is read to within a spacing, 2 % of the range.  The
+# front of Koshizuka & Oka is slower than that of Martin & Moyce by 8 %, which adds to both.
 @pytest.mark.parametrize(
-    ("name", "share", "shifted"), [("martin_moyce", 0.10, 0.03), ("koshizuka_oka", 0.12, 0.08)]
+    ("name", "share", "shifted"), [("martin_moyce", 0.10, 0.03), ("koshizuka_oka", 0.15, 0.08)]
 )
 def test_a_front_is_compared_from_the_command_line(name, share, shifted, tmp_path):
     mine = tmp_path / "mine.toml"
