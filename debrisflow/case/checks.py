@@ -16,8 +16,8 @@ from debrisflow.case import (
     motion_checks,
     obstacle_checks,
     probe_checks,
+    rheology_checks,
     space_checks,
-    strength_checks,
     weakly_compressible_checks,
 )
 from debrisflow.case.bodies import MeshFill
@@ -32,8 +32,8 @@ from debrisflow.case.estimate import available_memory, estimate, size
 from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
+from debrisflow.case.rheology import Strength
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Geometry, is_three_dimensional
-from debrisflow.case.strength import Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
@@ -342,7 +342,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     concentrations_below_packing,
     collisions_within_clip,
     slip_of_pure_phases,
-    *strength_checks.CHECKS,
+    *rheology_checks.CHECKS,
     *weakly_compressible_checks.CHECKS,
     operators_of_form,
     step_within_limits,

@@ -25,9 +25,9 @@ from debrisflow.case.resolved import (
     UnsteadyInflow,
     resolved,
 )
+from debrisflow.case.rheology import NoStrength, Strength
 from debrisflow.case.shapes import Channel, Channel3D, Geometry, is_three_dimensional
 from debrisflow.case.speeds import fall_speed, given_speed
-from debrisflow.case.strength import NoStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     Case,

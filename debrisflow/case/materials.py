@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from debrisflow.case.fields import NONE, Table, quantity
-from debrisflow.case.strength import FrictionalStrength, Strength
+from debrisflow.case.rheology import FrictionalStrength, Strength
 
 
 class Water(Table):

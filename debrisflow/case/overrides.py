@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from debrisflow.case.problems import Problem
-from debrisflow.case.strength import FORMER_NAMES, renamed
+from debrisflow.case.rheology import FORMER_NAMES, renamed
 from debrisflow.case.words import did_you_mean, either
 
 # Fields of which one stands for the others: setting it takes the others out of the file.

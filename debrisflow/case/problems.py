@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from debrisflow.case.fields import NONE, Table
-from debrisflow.case.strength import FORMER_NAMES, Strength, owners
+from debrisflow.case.rheology import FORMER_NAMES, Strength, owners
 from debrisflow.case.tables import Case
 from debrisflow.case.words import ABSENT, did_you_mean, either
 

@@ -23,6 +23,7 @@ from debrisflow.case.regions import (
     runout_rise,
     volume_left,
 )
+from debrisflow.case.rheology import RampedStrength, Strength
 from debrisflow.case.shapes import (
     Channel3D,
     ChannelShape,
@@ -32,7 +33,6 @@ from debrisflow.case.shapes import (
     is_three_dimensional,
     plain_of,
 )
-from debrisflow.case.strength import RampedStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,

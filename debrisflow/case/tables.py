@@ -16,8 +16,8 @@ from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Ve
 from debrisflow.case.friction import Friction
 from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.probes import AnyProbe
+from debrisflow.case.rheology import AnyStrength, NoStrength
 from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensional
-from debrisflow.case.strength import AnyStrength, NoStrength
 
 EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
 DISCHARGE = "m2/s or m3/s"  # in two or in three dimensions

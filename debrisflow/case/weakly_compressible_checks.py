@@ -13,8 +13,8 @@ from debrisflow.case.defaults import (
 )
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, covered
+from debrisflow.case.rheology import NoStrength, Strength
 from debrisflow.case.shapes import Geometry, is_three_dimensional
-from debrisflow.case.strength import NoStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyScheme,

@@ -9,7 +9,7 @@ from debrisflow.case import ResolvedCase, tables
 from debrisflow.case.defaults import phases
 from debrisflow.case.fields import NONE, Table
 from debrisflow.case.resolved import ResolvedInflow, UnsteadyInflow
-from debrisflow.case.strength import NoStrength
+from debrisflow.case.rheology import NoStrength
 
 
 class Parameter(NamedTuple):

@@ -6,7 +6,7 @@ import numpy as np
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH
-from debrisflow.case.strength import FrictionalStrength, NoStrength
+from debrisflow.case.rheology import FrictionalStrength, NoStrength
 from debrisflow.neighbors.boundary import find_inside
 from debrisflow.neighbors.height_field import HeightField
 from debrisflow.particles.inflow_outflow import remove_lost

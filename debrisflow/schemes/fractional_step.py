@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.resolved import ResolvedScheme
-from debrisflow.case.strength import FrictionalStrength, NoStrength
+from debrisflow.case.rheology import FrictionalStrength, NoStrength
 from debrisflow.particles.state import State
 from debrisflow.physics.free_surface import FreeSurface
 from debrisflow.physics.pressure import find_free_surface

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.resolved import ResolvedScheme
-from debrisflow.case.strength import NoStrength
+from debrisflow.case.rheology import NoStrength
 from debrisflow.physics.pressure import higher_order_factor
 from debrisflow.physics.virtual_air import VirtualAir, virtual_air
 from debrisflow.schemes.fractional_step import FractionalStep

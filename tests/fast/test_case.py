@@ -8,7 +8,7 @@ import pytest
 
 from debrisflow.case import Case, case_schema, dump_case, load_case
 from debrisflow.case.defaults import complete
-from debrisflow.case.strength import Bingham, NoStrength
+from debrisflow.case.rheology import Bingham, NoStrength
 from debrisflow.case.tables import Inflow
 from debrisflow.errors import CaseError
 from tests.conftest import CHANNEL, TANK

@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from debrisflow.case.materials import Sediment, Water, bulk_density
-from debrisflow.case.strength import LAWS, Coulomb
+from debrisflow.case.rheology import LAWS, Coulomb
 from debrisflow.physics.rheology import (
     ramp,
     yield_strength,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from debrisflow.case import Case, tables
 from debrisflow.case.defaults import complete
 from debrisflow.case.materials import Mixture, Sediment, Water, bulk_density
-from debrisflow.case.strength import Bingham, HerschelBulkley, NoStrength
+from debrisflow.case.rheology import Bingham, HerschelBulkley, NoStrength
 from tests.validation.marching import states
 
 Floats = NDArray[np.float64]

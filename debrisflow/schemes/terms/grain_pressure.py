@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.materials import pore_density
-from debrisflow.case.strength import FrictionalStrength
+from debrisflow.case.rheology import FrictionalStrength
 from debrisflow.physics.grain_pressure import carried_depths, couple_grains
 from debrisflow.schemes.pair_solver import couplings_of, solve_pairs
 from debrisflow.schemes.terms.term import Scene, Step, Term

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from debrisflow.case.problems import Problem, Problems
-from debrisflow.case.strength import FrictionalStrength, Strength
+from debrisflow.case.rheology import FrictionalStrength, Strength
 from debrisflow.case.tables import AnyFill, Inflow
 
 Fill = tuple[AnyFill, ...]
