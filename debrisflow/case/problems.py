@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from debrisflow.case.fields import NONE, Table
-from debrisflow.case.rheology import FORMER_NAMES, Strength, owners
+from debrisflow.case.rheology import Rheology, owners
 from debrisflow.case.tables import Case
 from debrisflow.case.words import ABSENT, did_you_mean, either
 
@@ -62,7 +62,7 @@ class Place(NamedTuple):
 def locate(path: Sequence[str | int]) -> Place:
     """Follow a path of keys through the tables.
 
-    Pydantic names the chosen member of a union in its paths (``geometry, tank, width``); such a
+    Pydantic names the chosen member of a union in its paths (``geometry, tank, length``); such a
     step is followed but is no key of the file.
     """
     keys: list[str | int] = []
@@ -196,14 +196,12 @@ def _likely_key(place: Place) -> str:
 
 
 def _not_of_the_law(place: Place) -> str | None:
-    """Return what to do with a field of a law of strength beside another one; None for others."""
-    if not (place.owners and issubclass(place.owners[0], Strength)):
+    """Return what to do with a field of a rheological law beside another one; None for others."""
+    if not (place.owners and issubclass(place.owners[0], Rheology)):
         return None
     name = str(place.keys[-1])
     if name == "saturated":
-        return f"a dry mass needs friction: strength.type must be {either(owners(name))}"
-    if name in FORMER_NAMES:
-        return f"the former name of '{FORMER_NAMES[name]}', which is given as well; leave it out"
+        return f"a dry mass needs friction: rheology.type must be {either(owners(name))}"
     if owners(name):
         return f"has no effect with the law '{_tag(place.owners[0])}'; leave it out"
     return None

@@ -102,8 +102,8 @@ def _words(case: ResolvedCase) -> Iterator[str]:
 
 
 def _laws(case: ResolvedCase) -> Iterator[str]:
-    if not isinstance(case.strength, NoStrength):
-        yield case.strength.summary()
+    if not isinstance(case.rheology, NoStrength):
+        yield case.rheology.summary()
     yield (
         f"collision stress {case.collision_stress.granular_temperature}"
         if (case.collision_stress.enabled)

@@ -37,7 +37,7 @@ class SemiImplicit(FractionalStep):
         return PressurePush(gravity)
 
     def _held(self, case: ResolvedCase) -> BaseFrictions | None:
-        has_strength = not isinstance(case.strength, NoStrength)
+        has_strength = not isinstance(case.rheology, NoStrength)
         frictions = BaseFrictions(case, is_implicit=has_strength)
         return frictions if any(np.any(values) for values in frictions.friction) else None
 
