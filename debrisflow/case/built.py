@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from debrisflow.case.bodies import PolygonObstacle
 from debrisflow.case.fields import Interval, Table
-from debrisflow.case.problems import locate, unit_of
+from debrisflow.case.problems import locate, named, unit_of
 from debrisflow.case.regions import TOLERANCE, bed_end, least_period, section_of_supply
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.shapes import Channel3D, Geometry, Tank, Tank3D
@@ -93,7 +93,7 @@ def roundings(case: ResolvedCase) -> list[Rounded]:
     if case.asked is None:
         return []
     return [
-        row
+        row._replace(key=named(row.key, dict(case)))
         for name in ("geometry", "obstacle", "fill", "inflow")
         for row in _differences(name, getattr(case.asked, name), getattr(case, name))
     ]

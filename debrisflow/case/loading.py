@@ -21,7 +21,7 @@ from debrisflow.case.hydrograph import inline_hydrograph
 from debrisflow.case.meshes import find_meshes
 from debrisflow.case.motion_files import inline_motions
 from debrisflow.case.overrides import apply_overrides
-from debrisflow.case.problems import Problem, locate, translate
+from debrisflow.case.problems import Problem, by_name, locate, translate
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.tables import Case, follow_dimension
 from debrisflow.errors import CaseError
@@ -128,7 +128,8 @@ def _checked(
     problems += wrong + cross_check(tables)
     if problems:
         count = f"{len(problems)} error" + ("s" if len(problems) > 1 else "")
-        raise CaseError("\n".join([f"{name}: {count}", *(f"  {problem}" for problem in problems)]))
+        lines = (f"  {by_name(problem, data)}" for problem in problems)
+        raise CaseError("\n".join([f"{name}: {count}", *lines]))
     case = complete(Case.model_validate(data))
     return case.keep(case.asked, tuple(former_names))
 
@@ -236,7 +237,7 @@ def _build(data: dict[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         return dict(Case.model_validate(data)), []
     except ValidationError as error:
         errors = error.errors(include_url=False)
-    problems = [problem for item in errors if (problem := translate(item))]
+    problems = [problem for item in errors if (problem := translate(item, data))]
     unknown = [locate(item["loc"]).keys for item in errors if item["type"] == "extra_forbidden"]
     return _buildable(_without(data, unknown)), problems
 

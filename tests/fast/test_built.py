@@ -180,9 +180,11 @@ class TestObstacles:
         dam = '[[obstacle]]\ntype = "box"\nname = "dam"\nx = [2.03, 2.15]\ny = [0.0, 0.98]\n'
         path = written(tmp_path, f"{CHANNEL}velocity = 1.0\n{dam}z = [0.0, 0.33]\n")
 
-        (dam,) = load_case(path).obstacle
+        case = load_case(path)
+        (dam,) = case.obstacle
 
         assert (dam.x, dam.y, dam.z) == ((2.03, 2.15), (0.0, 1.0), (0.0, 0.33))
+        assert ("obstacle.dam.y.1", 0.98, 1.0, " m") in roundings(case)
 
     def test_a_thin_box_at_a_wall_goes_with_it(self):
         plate = PIER | {"x": [1.06, 1.16], "z": [0.0, 0.3]}

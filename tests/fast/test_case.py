@@ -289,6 +289,14 @@ class TestOverrides:
         with pytest.raises(CaseError, match=r"no such entry; there are 2, .* by name 'a' or 'b'"):
             load_case(tank, ["probe.c.size=0.05"])
 
+    def test_the_key_of_an_error_is_one_that_can_be_set(self, tank: Path) -> None:
+        gauge = '[[probe]]\nname = "p1"\ntype = "height"\nx = 0.9\ninterval = 1.0\n'
+        tank.write_text(tank.read_text() + gauge)
+
+        with pytest.raises(CaseError, match=r"^.*\n  probe\.p1\.x = 0\.9 m: outside the tank"):
+            load_case(tank)
+        assert load_case(tank, ["probe.p1.x=0.1"]).probe[0].x == 0.1
+
     def test_one_way_of_gravity_replaces_the_other(self, channel: Path) -> None:
         case = load_case(channel, ["gravity.vector=[0, -9.81]"])
 
