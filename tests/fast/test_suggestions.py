@@ -22,7 +22,7 @@ def told(case: str, override: str) -> str:
         ("gravity.slop=15", "'slope'"),
         ("time.ende=2", "'end'"),
         ("geometry.lngth=1", "'length'"),
-        ("geometry.heigt=1", "'height'"),
+        ("geometry.heght=1", "'height'"),
         ("inflow.dept=0.1", "'depth'"),
         ("sediment.grain_size=0.003", "'grain_diameter'"),
         ("rheology.friction=30", "'friction_angle'"),
