@@ -65,7 +65,7 @@ def dam_break(spacing: float) -> tables.Case:
         tables.Case(
             title="dam break",
             particles=tables.Particles(spacing=spacing),
-            geometry=shapes.Tank(type="tank", width=2.0 * wide, height=2.0 * high),
+            geometry=shapes.Tank(type="tank", length=2.0 * wide, height=2.0 * high),
             fill=(tables.Block(type="block", x=(0.0, wide), y=(0.0, high), material="water"),),
             time=tables.Time(end=1.0),
             output=tables.Output(interval=0.1),

@@ -146,7 +146,7 @@ def print_moving() -> None:
         told = "no gate" if speed is None else f"gate at {speed:g} m/s"
         front = moving_walls.front_after(speed)
         click.echo(f"{told}: front {front / 0.01:.1f} spacings from the wall after 0.25 s")
-    for rows in (4, 8, 16):
+    for rows in (4, 8):
         found = moving_walls.sluice(rows)
         click.echo(
             f"sluice, {rows} rows over the opening: discharge over that of the orifice "
@@ -194,7 +194,7 @@ def print_settling() -> None:
     for c, seed, law, spacing in columns:
         found = settling.run(c, seed, law, spacing)
         click.echo(
-            f"settling, C0 = {c}, mix {seed}, {law}, d0 = {spacing} m: {found.speed:.4f} m/s, "
+            f"settling, C0 = {c}, seed {seed}, {law}, d0 = {spacing} m: {found.speed:.4f} m/s, "
             f"{found.speed / settling.richardson_zaki(c):.2f} of Richardson & Zaki; bed C "
             f"{found.bed:.3f}, {found.bed_height:.3f} m; moved in 2 s {found.mean_displacement:.3f}"
             f" d0, at most {found.greatest_displacement:.2f}; nothing lost: {found.kept}"
@@ -210,7 +210,7 @@ def print_collapse() -> None:
             lags = [found.water - found.sediment for found in pair]
             layers = [[round(v, 2) for v in found.layering.values()] for found in pair]
             click.echo(
-                f"A2, drag {law}, d0 = {spacing} m, mix {seed}: shift at 0.75 s "
+                f"A2, drag {law}, d0 = {spacing} m, seed {seed}: shift at 0.75 s "
                 f"{pair[0].sediment - pair[1].sediment:+.4f} m; with / without: lag of the "
                 f"sediment {lags[0]:.3f} / {lags[1]:.3f} m, layering at 0.75, 1.5, 2 s "
                 f"{layers[0]} / {layers[1]}, energy {pair[0].energy:.4f} / {pair[1].energy:.4f}, "
@@ -283,10 +283,10 @@ def describe(title: str, found: flume.Flume, times: tuple[float, ...] = (6.0, 7.
 def print_flume() -> None:
     """Print the figures of A1 at its spacing, and the controls."""
     for seed in (1, 2, 3, 4):
-        describe(f"A1, mix {seed}", flume.run("flume2d", (f"particles.seed={seed}",)))
+        describe(f"A1, seed {seed}", flume.run("flume2d", (f"particles.seed={seed}",)))
     for seed in (1, 2):
         changes = (f"particles.seed={seed}", "time.largest_step=0.001")
-        describe(f"A1, mix {seed}, half the step", flume.run("flume2d", changes))
+        describe(f"A1, seed {seed}, half the step", flume.run("flume2d", changes))
     dry = flume.run("flume2d", supply_until=0.0)
     click.echo(f"A1 without supply: upstream half lost {dry.eroded():.1%} in 10 s")
     describe("A1, drag none", flume.run("flume2d", ("drag.law=none",)))
@@ -314,7 +314,7 @@ def print_fine_flume() -> None:
     """Print the figures of A1 at half and a quarter of its spacing."""
     for seed in (1, 2, 3, 4):
         changes = ("particles.spacing=0.01", f"particles.seed={seed}")
-        describe(f"A1, d0 = 0.01 m, mix {seed}", flume.run("flume2d", changes))
+        describe(f"A1, d0 = 0.01 m, seed {seed}", flume.run("flume2d", changes))
     describe("A1, d0 = 0.005 m", flume.run("flume2d", ("particles.spacing=0.005",), end=8.5))
 
 

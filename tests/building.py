@@ -355,14 +355,14 @@ def endless_channel(spacing, slope, layers, **tables):
 
 def tank_case(columns, rows, material, tank=None, spacing=0.01, **tables):
     """Return a case: a block in the left corner of a tank whose size is given in spacings."""
-    width, height = tank or (columns, 2 * rows)
+    length, height = tank or (columns, 2 * rows)
     block = {"type": "block", "x": [0.0, columns * spacing], "y": [0.0, rows * spacing]}
     tables = {"time": {"end": 1.0}, "output": {"interval": 1.0}} | tables
     return complete(
         Case(
             title="tank",
             particles={"spacing": spacing},
-            geometry={"type": "tank", "width": width * spacing, "height": height * spacing},
+            geometry={"type": "tank", "length": length * spacing, "height": height * spacing},
             fill=[block | {"material": material}],
             **tables,
         )
@@ -387,13 +387,13 @@ def tank3d_case(z=(0.0, 0.5), size=(0.8, 0.6, 1.0), particles=None, **tables):
 
 def settling_case(**tables):
     """Return a case whose grains settle, so that some exchange places within 40 steps."""
-    block = {"type": "block", "x": [0.0, 0.24], "y": [0.0, 0.2], "material": "mix"}
+    block = {"type": "block", "x": [0.0, 0.24], "y": [0.0, 0.2], "material": "two-phase"}
     tables = {"time": {"end": 1.0}, "output": {"interval": 1.0}} | tables
     return complete(
         Case(
             title="settling",
             particles={"spacing": 0.01},
-            geometry={"type": "tank", "width": 0.24, "height": 0.3, "periodic": True},
+            geometry={"type": "tank", "length": 0.24, "height": 0.3, "periodic": True},
             fill=[block | {"sediment_share": 0.25}],
             collision_stress={"enabled": True},
             drag={"law": "wen-yu"},
@@ -421,7 +421,7 @@ def bed_case(spacing=0.02, **tables):
             inflow={"depth": 0.04, "velocity": 1.0, "concentration": 0.2},
             collision_stress={"enabled": True},
             drag={"law": "gidaspow"},
-            strength={"type": "coulomb", "mixing_length": 0.006},
+            rheology={"type": "coulomb", "mixing_length": 0.006},
             **tables,
         )
     )

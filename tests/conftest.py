@@ -32,7 +32,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 TANK = """
 title = "a column of water"
 particles = { spacing = 0.01 }
-geometry = { type = "tank", width = 0.4, height = 0.3 }
+geometry = { type = "tank", length = 0.4, height = 0.3 }
 time = { end = 1.0 }
 output = { interval = 0.1 }
 

@@ -6,7 +6,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, Strict
 
-from debrisflow.case.fields import NONE, Components, Interval, Point, Table, Vector, quantity
+from debrisflow.case.fields import (
+    NAME_PATTERN,
+    NONE,
+    Components,
+    Interval,
+    Point,
+    Table,
+    Vector,
+    quantity,
+)
 from debrisflow.case.motion import Motion
 
 MESH_FILE = "closed surface of triangles: an STL, OBJ or PLY file, looked for beside the case"
@@ -26,9 +35,7 @@ class MeshFill(Table):
 
 
 def _obstacle_name() -> Any:
-    return quantity(
-        NONE, "name of the obstacle, by which probes refer to it", pattern=r"^[a-z][a-z0-9_]*$"
-    )
+    return quantity(NONE, "name of the obstacle, by which probes refer to it", pattern=NAME_PATTERN)
 
 
 def _slip() -> Any:

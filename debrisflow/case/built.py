@@ -13,10 +13,10 @@ from typing import Any, NamedTuple, TypeVar
 
 from debrisflow.case.bodies import PolygonObstacle
 from debrisflow.case.fields import Interval, Table
-from debrisflow.case.problems import locate, unit_of
+from debrisflow.case.problems import locate, named, unit_of
 from debrisflow.case.regions import TOLERANCE, bed_end, least_period, section_of_supply
 from debrisflow.case.resolved import ResolvedCase
-from debrisflow.case.shapes import Channel3D, ChannelShape, Geometry, Tank, Tank3D
+from debrisflow.case.shapes import Channel3D, Geometry, Tank, Tank3D
 from debrisflow.case.tables import Inflow, Particles
 
 DIGITS = 12  # significant ones of a length that is built, so that it reads as people write it
@@ -93,7 +93,7 @@ def roundings(case: ResolvedCase) -> list[Rounded]:
     if case.asked is None:
         return []
     return [
-        row
+        row._replace(key=named(row.key, dict(case)))
         for name in ("geometry", "obstacle", "fill", "inflow")
         for row in _differences(name, getattr(case.asked, name), getattr(case, name))
     ]
@@ -145,7 +145,7 @@ def _geometry(shape: Geometry, particles: Particles) -> Geometry:
         if name in MUST_STAND and asked > 0.0 and found[name] < 0.5 * d0:
             found[name] = d0
     if shape.periodic:
-        name = "length" if isinstance(shape, ChannelShape) else "width"
+        name = "width" if isinstance(shape, Tank3D) else "length"
         least = least_period(particles)
         if found[name] < least <= getattr(shape, name):
             found[name] = _multiple(ceil(least / d0 - TOLERANCE), d0)
@@ -155,7 +155,7 @@ def _geometry(shape: Geometry, particles: Particles) -> Geometry:
 def walls_along(shape: Geometry, particles: Particles) -> dict[str, list[float]]:
     """Return where along each axis there are walls, m."""
     if isinstance(shape, Tank):
-        return {"x": [0.0, shape.width], "y": [0.0, shape.height]}
+        return {"x": [0.0, shape.length], "y": [0.0, shape.height]}
     if isinstance(shape, Tank3D):
         return {"x": [0.0, shape.length], "y": [0.0, shape.width], "z": [0.0, shape.height]}
     along, up = [0.0, shape.length], [0.0, shape.height]

@@ -16,8 +16,8 @@ from debrisflow.case import (
     motion_checks,
     obstacle_checks,
     probe_checks,
+    rheology_checks,
     space_checks,
-    strength_checks,
     weakly_compressible_checks,
 )
 from debrisflow.case.bodies import MeshFill
@@ -32,8 +32,8 @@ from debrisflow.case.estimate import available_memory, estimate, size
 from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
+from debrisflow.case.rheology import Rheology
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Geometry, is_three_dimensional
-from debrisflow.case.strength import Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
@@ -99,13 +99,13 @@ def one_way_of_gravity(gravity: Gravity) -> Problems:
             yield Problem(f"gravity.{name}", message, getattr(gravity, name))
 
 
-def shares_of_mixes(fill: Fill) -> Problems:
-    """Check that only a mix has a share of sediment."""
+def shares_of_sediment(fill: Fill) -> Problems:
+    """Check that only a two-phase fill has a share of sediment."""
     for k, part in enumerate(fill):
-        if isinstance(part, MeshFill) or part.material == "mix":
+        if isinstance(part, MeshFill) or part.material == "two-phase":
             continue
         if was_set(part, "sediment_share"):
-            message = f"has no effect on the material '{part.material}', only on 'mix'"
+            message = f"has no effect on the material '{part.material}', only on 'two-phase'"
             yield Problem(f"fill.{k}.sediment_share", message, part.sediment_share)
 
 
@@ -236,7 +236,7 @@ def slip_of_pure_phases(
     if drag.law != "none" and "mixture" in materials and len(materials) > 1:
         message = (
             "acts between sediment and water particles, and not on those of a mixture beside them; "
-            "fill with 'mix' instead of 'mixture'"
+            "fill with 'two-phase' instead of 'mixture'"
         )
         yield Problem("drag.law", message, drag.law)
 
@@ -250,14 +250,14 @@ def step_within_limits(
     water: Water,
     sediment: Sediment,
     mixture: Mixture,
-    strength: Strength,
+    rheology: Rheology,
     gravity: Gravity,
     scheme: AnyScheme,
 ) -> Problems:
     """Check that the largest step keeps within the limits of explicit viscosity and gravity."""
     if time.largest_step is None:
         return
-    limits = viscous_limits(particles, fill, inflow, geometry, water, sediment, mixture, strength)
+    limits = viscous_limits(particles, fill, inflow, geometry, water, sediment, mixture, rheology)
     phase = min(limits, key=lambda name: limits[name], default=None)
     fall = hypot(*gravity.components)
     if phase and time.largest_step > limits[phase] * (1 + TOLERANCE):
@@ -336,13 +336,13 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     *space_checks.CHECKS,
     *obstacle_checks.CHECKS,
     *motion_checks.CHECKS,
-    shares_of_mixes,
+    shares_of_sediment,
     inflow_in_channel,
     hydrograph_in_order,
     concentrations_below_packing,
     collisions_within_clip,
     slip_of_pure_phases,
-    *strength_checks.CHECKS,
+    *rheology_checks.CHECKS,
     *weakly_compressible_checks.CHECKS,
     operators_of_form,
     step_within_limits,

@@ -25,9 +25,9 @@ from debrisflow.case.resolved import (
     UnsteadyInflow,
     resolved,
 )
+from debrisflow.case.rheology import NoStrength, Rheology
 from debrisflow.case.shapes import Channel, Channel3D, Geometry, is_three_dimensional
 from debrisflow.case.speeds import fall_speed, given_speed
-from debrisflow.case.strength import NoStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     Case,
@@ -74,6 +74,7 @@ def complete(case: Case) -> ResolvedCase:
     """
     scheme: AnyResolvedScheme
     asked = case.asked if isinstance(case, ResolvedCase) else None
+    former_names = case.former_names if isinstance(case, ResolvedCase) else ()
     if built := as_built(dict(case)):
         asked, case = case, Case(**(dict(case) | built))
     if isinstance(case.scheme, ExplicitScheme):
@@ -81,7 +82,7 @@ def complete(case: Case) -> ResolvedCase:
             case.fill, case.inflow, case.geometry, case.particles, case.gravity, case.walls
         )
         step = min(acoustic_step(case.scheme, fastest, case.particles), *_viscous_steps(case))
-        collides = 0.0 if isinstance(case.strength, NoStrength) else GRAINS_COLLIDE
+        collides = 0.0 if isinstance(case.rheology, NoStrength) else GRAINS_COLLIDE
         scheme = resolved(
             ResolvedExplicitScheme,
             case.scheme,
@@ -100,7 +101,7 @@ def complete(case: Case) -> ResolvedCase:
         "output": _output(case.output),
         "probe": tuple(probe.complete(case.particles.spacing) for probe in case.probe),
     }
-    return ResolvedCase(**(dict(case) | found)).keep(asked)
+    return ResolvedCase(**(dict(case) | found)).keep(asked, former_names)
 
 
 def viscous_limits(
@@ -111,19 +112,19 @@ def viscous_limits(
     water: Water,
     sediment: Sediment,
     mixture: Mixture,
-    strength: Strength,
+    rheology: Rheology,
 ) -> dict[str, float]:
     """Return the time step, s, that the explicit viscosity of each phase present allows.
 
-    The limit is ``0.2 d0^2 rho / mu``; with a strength law viscosity is implicit and there is
+    The limit is ``0.2 d0^2 rho / mu``; with a rheological law viscosity is implicit and there is
     none.  Of mixtures of several concentrations the lightest counts.
     """
-    if not isinstance(strength, NoStrength):
+    if not isinstance(rheology, NoStrength):
         return {}
     solid = mixture.concentration
     if is_three_dimensional(geometry):
         solid = min(solid, *_carried(inflow), 1.0)
-    mixed_density = bulk_density(solid, water, sediment, strength)
+    mixed_density = bulk_density(solid, water, sediment, rheology)
     properties = {
         "water": (water.density, water.viscosity),
         "sediment": (sediment.density, sediment.viscosity),
@@ -139,8 +140,8 @@ def viscous_limits(
 def phases(fill: tuple[AnyFill, ...], inflow: Inflow | None, geometry: Geometry) -> set[str]:
     """Return which of water, sediment and mixture the fills and the supply bring."""
     materials: set[str] = {part.material for part in fill}
-    present = materials - {"mix"}
-    if "mix" in materials:
+    present = materials - {"two-phase"}
+    if "two-phase" in materials:
         present |= {"water", "sediment"}
     if inflow is not None:
         carried, laden = _carried(inflow), inflow.concentration > 0 or inflow.hydrograph is not None
@@ -240,7 +241,7 @@ def _viscous_steps(case: Case) -> tuple[float, ...]:
         case.water,
         case.sediment,
         case.mixture,
-        case.strength,
+        case.rheology,
     )
     return (inf, *limits.values())
 

@@ -1,6 +1,7 @@
 """What is allowed and was hardly meant: units mistaken, signs turned, a flow too thin to resolve.
 
 Each is a warning of ``debrisflow check`` and of a run, with what was probably meant; none stops it.
+Former names of fields are told beside them.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ FEWEST_ROWS = 2  # of particles over a depth
 
 def doubts(case: ResolvedCase) -> list[str]:
     """Return what is doubtful about a case, a line each, beginning with the key."""
-    return [line for doubt in DOUBTS for line in doubt(case)]
+    return [*case.former_names, *(line for doubt in DOUBTS for line in doubt(case))]
 
 
 def _gravity(case: ResolvedCase) -> Iterator[str]:
@@ -52,7 +53,7 @@ def _shares(case: ResolvedCase) -> Iterator[str]:
     limit = case.sediment.packing_limit
     for number, part in enumerate(case.fill):
         share = getattr(part, "sediment_share", 0.0)
-        if part.material == "mix" and share > limit:
+        if part.material == "two-phase" and share > limit:
             yield (
                 f"fill.{number}.sediment_share = {share:g}: more grains than fit, "
                 f"sediment.packing_limit = {limit:g}"

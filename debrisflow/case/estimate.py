@@ -80,7 +80,7 @@ def estimate(
     supply = inflow.depth if inflow and isinstance(geometry, Channel) else 0.0
     # Divided twice, since the square of a very small spacing would be zero.
     fluid = volume_left(areas, boxes_among(obstacle, 2)) / spacing / spacing
-    waiting = supply / spacing * layers + supply * _length(geometry) / spacing / spacing
+    waiting = supply / spacing * layers + supply * geometry.length / spacing / spacing
     wall = 0.0
     if scheme.form == "study":
         wall = (_wall_length(geometry, particles) / spacing + 4 * layers) * layers
@@ -162,12 +162,8 @@ def size(count: float) -> str:
     return f"{count / 1e9:,.1f} GB" if count >= 1e9 else f"{count / 1e6:.0f} MB"
 
 
-def _length(geometry: Tank | Channel) -> float:
-    return geometry.width if isinstance(geometry, Tank) else geometry.length
-
-
 def _wall_length(geometry: Tank | Channel, particles: Particles) -> float:
-    length = _length(geometry)
+    length = geometry.length
     if isinstance(geometry, Tank):
         sides = 0.0 if geometry.periodic else 2 * geometry.height
         return length * (2 if geometry.ceiling else 1) + sides

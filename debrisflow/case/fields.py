@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
 NONE = "-"
+NAME_PATTERN = r"^[a-z][a-z0-9_]*$"
 Interval = Annotated[tuple[float, float], Strict(False)]
 Vector = Annotated[tuple[float, float], Strict(False)]
 Series = Annotated[tuple[float, ...], Strict(False)]

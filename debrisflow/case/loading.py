@@ -16,11 +16,12 @@ from pydantic import ValidationError, create_model
 from debrisflow.case.checks import cross_check
 from debrisflow.case.defaults import complete
 from debrisflow.case.fields import NONE, Table
+from debrisflow.case.former_names import use_present_names
 from debrisflow.case.hydrograph import inline_hydrograph
 from debrisflow.case.meshes import find_meshes
 from debrisflow.case.motion_files import inline_motions
 from debrisflow.case.overrides import apply_overrides
-from debrisflow.case.problems import Problem, locate, translate
+from debrisflow.case.problems import Problem, by_name, locate, translate
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.tables import Case, follow_dimension
 from debrisflow.errors import CaseError
@@ -80,7 +81,7 @@ def build_case(
     >>> case = build_case({
     ...     "title": "a column of water",
     ...     "particles": {"spacing": 0.01},
-    ...     "geometry": {"type": "tank", "width": 0.4, "height": 0.3},
+    ...     "geometry": {"type": "tank", "length": 0.4, "height": 0.3},
     ...     "fill": [water],
     ...     "time": {"end": 1.0},
     ...     "output": {"interval": 0.1},
@@ -110,7 +111,11 @@ def _checked(
     name : str
         Of the case, at the head of a list of errors.
     """
-    problems = apply_overrides(data, overrides)
+    former_names, problems = use_present_names(data)
+    renamed, wrong_ones = apply_overrides(data, overrides)
+    also_former, given_twice = use_present_names(data)  # in the values of the overrides
+    former_names += [*renamed, *also_former]
+    problems += [*wrong_ones, *given_twice]
     unread = find_meshes(data, folder)
     if supply := inline_hydrograph(data, folder):
         unread["inflow"] = supply
@@ -123,8 +128,10 @@ def _checked(
     problems += wrong + cross_check(tables)
     if problems:
         count = f"{len(problems)} error" + ("s" if len(problems) > 1 else "")
-        raise CaseError("\n".join([f"{name}: {count}", *(f"  {problem}" for problem in problems)]))
-    return complete(Case.model_validate(data))
+        lines = (f"  {by_name(problem, data)}" for problem in problems)
+        raise CaseError("\n".join([f"{name}: {count}", *lines]))
+    case = complete(Case.model_validate(data))
+    return case.keep(case.asked, tuple(former_names))
 
 
 def _as_read(value: Any) -> Any:
@@ -230,7 +237,7 @@ def _build(data: dict[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         return dict(Case.model_validate(data)), []
     except ValidationError as error:
         errors = error.errors(include_url=False)
-    problems = [problem for item in errors if (problem := translate(item))]
+    problems = [problem for item in errors if (problem := translate(item, data))]
     unknown = [locate(item["loc"]).keys for item in errors if item["type"] == "extra_forbidden"]
     return _buildable(_without(data, unknown)), problems
 

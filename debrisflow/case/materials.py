@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from debrisflow.case.fields import NONE, Table, quantity
-from debrisflow.case.strength import FrictionalStrength, Strength
+from debrisflow.case.rheology import FrictionalStrength, Rheology
 
 
 class Water(Table):
@@ -36,15 +36,15 @@ class Mixture(Table):
     viscosity: float = quantity("Pa s", "dynamic viscosity of the mixture", 1.0e-3, ge=0)
 
 
-def pore_density(water: Water, strength: Strength) -> float:
+def pore_density(water: Water, rheology: Rheology) -> float:
     """Return the density of what fills the pores: water, or air, taken as 0 kg/m3."""
-    is_dry = isinstance(strength, FrictionalStrength) and not strength.saturated
+    is_dry = isinstance(rheology, FrictionalStrength) and not rheology.saturated
     return 0.0 if is_dry else water.density
 
 
 def bulk_density(
-    concentration: float, water: Water, sediment: Sediment, strength: Strength
+    concentration: float, water: Water, sediment: Sediment, rheology: Rheology
 ) -> float:
     """Return ``rho = C rho_s + (1 - C) rho_l`` of grains and what fills their pores, kg/m3."""
-    pores = pore_density(water, strength)
+    pores = pore_density(water, rheology)
     return pores + concentration * (sediment.density - pores)

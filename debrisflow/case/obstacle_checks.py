@@ -100,7 +100,7 @@ def obstacles_apart(geometry: Geometry, particles: Particles, obstacle: Obstacle
     for (name, body, area), (key, other, another) in combinations(solids, 2):
         shared = shared_space((body, other), area.overlap(another), particles)
         if shared:
-            yield Problem(key, f"overlaps {name}, '{body.name}', in {shared}")
+            yield Problem(key, f"overlaps {name} in {shared}")
 
 
 def meshes_resolved(

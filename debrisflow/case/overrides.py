@@ -6,8 +6,8 @@ import tomllib
 from collections.abc import Sequence
 from typing import Any
 
+from debrisflow.case.former_names import present_key
 from debrisflow.case.problems import Problem
-from debrisflow.case.strength import FORMER_NAMES, renamed
 from debrisflow.case.words import did_you_mean, either
 
 # Fields of which one stands for the others: setting it takes the others out of the file.
@@ -17,10 +17,9 @@ _ALTERNATIVES = (
 )
 
 
-_FORMER_KEYS = {f"strength.{old}": f"strength.{new}" for old, new in FORMER_NAMES.items()}
-
-
-def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> list[Problem]:
+def apply_overrides(
+    data: dict[str, Any], overrides: Sequence[str]
+) -> tuple[list[str], list[Problem]]:
     """Set the given keys of a case as read from TOML, in place.
 
     Parameters
@@ -34,16 +33,20 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> list[Prob
 
     Returns
     -------
-    list of Problem
+    notes : list of str
+        Keys that are called otherwise now, a line each.
+    problems : list of Problem
         Overrides that could not be made.  An unknown key is set and found with all the others.
     """
+    notes: list[str] = []
     problems: list[Problem] = []
     made: set[str] = set()
-    if isinstance(data.get("strength"), dict):
-        data["strength"] = renamed(data["strength"])
+    shape = _shape(data, overrides)
     for override in overrides:
-        key, equals, text = override.partition("=")
-        key = _FORMER_KEYS.get(key.strip(), key.strip())
+        given, equals, text = (part.strip() for part in override.partition("="))
+        key = present_key(given, shape)
+        if key != given:
+            notes.append(f"{given}: now called {key}")
         if not key or not equals:
             problems.append(Problem(f"--set {override}", "must be KEY=VALUE"))
             continue
@@ -52,7 +55,18 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> list[Prob
             problems.append(problem)
         made.add(key)
     _drop_alternatives(data, made)
-    return problems
+    return notes, problems
+
+
+def _shape(data: dict[str, Any], overrides: Sequence[str]) -> object:
+    """Return the type of the geometry after the overrides."""
+    geometry = data.get("geometry")
+    shape = geometry.get("type") if isinstance(geometry, dict) else None
+    for override in overrides:
+        key, _, text = override.partition("=")
+        if key.strip() == "geometry.type":
+            shape = parse_value(text)
+    return shape
 
 
 def parse_value(text: str) -> Any:

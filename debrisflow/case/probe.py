@@ -8,7 +8,7 @@ from math import hypot
 from typing import Any, ClassVar, NamedTuple, Self, TypeVar
 
 from debrisflow.case.bodies import BoxObstacle
-from debrisflow.case.fields import NONE, Table, quantity
+from debrisflow.case.fields import NAME_PATTERN, NONE, Table, quantity
 from debrisflow.case.words import ABSENT, did_you_mean, either
 
 SIZE = "side of the square, in two dimensions width of the strip, {}; 2 spacings if left out"
@@ -131,7 +131,7 @@ class Probe(Table):
     name: str = quantity(
         NONE,
         "name of the probe, and of its file probes/NAME.csv; small letters, digits and _",
-        pattern=r"^[a-z][a-z0-9_]*$",
+        pattern=NAME_PATTERN,
     )
     interval: float = quantity(
         "s", "sampling interval; a sample is taken at the end of the step in which it is due", gt=0

@@ -66,7 +66,7 @@ def _extents(geometry: Geometry, gravity: Gravity) -> dict[str, tuple[float, flo
         }
     if isinstance(geometry, Channel):
         return {"x": (0.0, geometry.length), "y": (-geometry.bed_thickness, geometry.height)}
-    return {"x": (0.0, geometry.width), "y": (0.0, geometry.height)}
+    return {"x": (0.0, geometry.length), "y": (0.0, geometry.height)}
 
 
 def _walls(geometry: Geometry) -> dict[str, tuple[int, float] | None]:
@@ -93,7 +93,7 @@ def _walls(geometry: Geometry) -> dict[str, tuple[int, float] | None]:
         return found
     found = {"floor": (1, 0.0)}
     if sides:
-        found |= {"left": (0, 0.0), "right": (0, geometry.width)}
+        found |= {"left": (0, 0.0), "right": (0, geometry.length)}
     if geometry.ceiling:
         found["ceiling"] = (1, geometry.height)
     return found

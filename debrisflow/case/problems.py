@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from debrisflow.case.fields import NONE, Table
-from debrisflow.case.strength import FORMER_NAMES, Strength, owners
+from debrisflow.case.fields import NAME_PATTERN, NONE, Table
+from debrisflow.case.rheology import Rheology, owners
 from debrisflow.case.tables import Case
-from debrisflow.case.words import ABSENT, did_you_mean, either
+from debrisflow.case.words import ABSENT, NEAR, did_you_mean, either, nearest
 
 Problems = Iterator["Problem"]
 LONGEST_VALUE = 60
+MOST_SUGGESTED = 3  # keys of other tables
+_ENTRY = re.compile(r"\b([a-z]+)\.(\d+)\b")
 
 
 class Problem(NamedTuple):
@@ -41,6 +44,51 @@ class Problem(NamedTuple):
         return f"{self.key} = {show(self.value)}{unit}: {self.message}"
 
 
+def by_name(problem: Problem, arrays: Mapping[str, Any]) -> str:
+    """Return a problem in which entries of arrays are called by their names, as ``--set`` does.
+
+    Parameters
+    ----------
+    problem : Problem
+    arrays : mapping
+        The tables of the case; an entry without a name of its own keeps its index.
+
+    Examples
+    --------
+    >>> case = {"probe": [{"name": "gauge"}], "fill": [{"type": "block"}]}
+    >>> by_name(Problem("probe.0.x", "outside the tank, beside fill.0", 0.5), case)
+    'probe.gauge.x = 0.5 m: outside the tank, beside fill.0'
+    """
+    told = str(problem._replace(message=named(problem.message, arrays)))
+    return named(problem.key, arrays) + told.removeprefix(problem.key)
+
+
+def named(text: str, arrays: Mapping[str, Any]) -> str:
+    """Return a text in which entries of arrays are called by their names instead of indices.
+
+    Examples
+    --------
+    >>> named("probe.0.x", {"probe": [{"name": "gauge"}]})
+    'probe.gauge.x'
+    """
+
+    def name(match: re.Match[str]) -> str:
+        entries, number = arrays.get(match[1]), int(match[2])
+        if not isinstance(entries, (list, tuple)) or number >= len(entries):
+            return match[0]
+        names = [_name(entry) for entry in entries]
+        own = names[number]
+        return f"{match[1]}.{own}" if own and names.count(own) == 1 else match[0]
+
+    return _ENTRY.sub(name, text)
+
+
+def _name(entry: Any) -> str | None:
+    """Return the name of an entry of an array, None if it has none that a key can hold."""
+    name = entry.get("name") if isinstance(entry, Mapping) else getattr(entry, "name", None)
+    return name if isinstance(name, str) and re.fullmatch(NAME_PATTERN, name) else None
+
+
 def was_set(table: Table, name: str) -> bool:
     """Tell whether a field differs from its default, however the file came to state it."""
     return bool(getattr(table, name) != type(table).model_fields[name].default)
@@ -62,7 +110,7 @@ class Place(NamedTuple):
 def locate(path: Sequence[str | int]) -> Place:
     """Follow a path of keys through the tables.
 
-    Pydantic names the chosen member of a union in its paths (``geometry, tank, width``); such a
+    Pydantic names the chosen member of a union in its paths (``geometry, tank, length``); such a
     step is followed but is no key of the file.
     """
     keys: list[str | int] = []
@@ -126,17 +174,16 @@ def show(value: Any) -> str:
     return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 4] + " ..."
 
 
-def translate(error: Mapping[str, Any]) -> Problem | None:
-    """Return the problem that one error of pydantic stands for.
+def translate(error: Mapping[str, Any], data: Mapping[str, Any]) -> Problem | None:
+    """Return the problem that one error of pydantic, about the data of a case, stands for.
 
     Returns None for the second of two errors about one value that may be a table or a text.
     """
     place = locate(error["loc"])
     kind, value = error["type"], error["input"]
     if kind == "extra_forbidden":
-        return Problem(
-            place.key, _not_of_the_law(place) or "unknown key" + _likely_key(place), value
-        )
+        message = _not_of_the_law(place) or "unknown key" + _likely_key(place, value, data)
+        return Problem(place.key, message, value)
     if kind == "missing":
         return _missing(place)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
@@ -185,37 +232,47 @@ def _choices(field: FieldInfo | None) -> Iterator[str]:
             yield from get_args(member)
 
 
-def _likely_key(place: Place) -> str:
-    """Suggest a key of the same table, or the same key of another one."""
+def _likely_key(place: Place, value: Any, data: Mapping[str, Any]) -> str:
+    """Suggest a key of the same table, or one of the same or a like name in other tables."""
     word = str(place.keys[-1])
     here = did_you_mean(word, [name for table in place.owners for name in table.model_fields])
-    elsewhere = [key for key in _all_keys(Case) if key.rpartition(".")[2] == word]
-    if place.key in elsewhere:
+    known = dict.fromkeys(_all_keys(Case, data, is_table=isinstance(value, Mapping)))
+    if place.key in known:
         return " here; it belongs to another type of this table"
-    return here or (f"; did you mean '{elsewhere[0]}'?" if elsewhere else "")
+    names = {key.rpartition(".")[2] for key in known}
+    likely = word if word in names else nearest(word, names, in_part=NEAR)
+    elsewhere = [key for key in known if key.rpartition(".")[2] == likely]
+    if here or not 0 < len(elsewhere) <= MOST_SUGGESTED:
+        return here
+    return f"; did you mean {either(elsewhere)}?"
 
 
 def _not_of_the_law(place: Place) -> str | None:
-    """Return what to do with a field of a law of strength beside another one; None for others."""
-    if not (place.owners and issubclass(place.owners[0], Strength)):
+    """Return what to do with a field of a rheological law beside another one; None for others."""
+    if not (place.owners and issubclass(place.owners[0], Rheology)):
         return None
     name = str(place.keys[-1])
     if name == "saturated":
-        return f"a dry mass needs friction: strength.type must be {either(owners(name))}"
-    if name in FORMER_NAMES:
-        return f"the former name of '{FORMER_NAMES[name]}', which is given as well; leave it out"
+        return f"a dry mass needs friction: rheology.type must be {either(owners(name))}"
     if owners(name):
         return f"has no effect with the law '{_tag(place.owners[0])}'; leave it out"
     return None
 
 
-def _all_keys(table: type[Table], before: str = "") -> Iterator[str]:
-    """Yield every dotted key, without those of arrays."""
+def _all_keys(table: type[Table], data: Any, is_table: bool, before: str = "") -> Iterator[str]:
+    """Yield every dotted key of a table, or of a value, without those of arrays.
+
+    Tables that may be left out have keys only where the case gives them.
+    """
     for name, field in table.model_fields.items():
-        yield before + name
-        if get_origin(field.annotation) is not tuple:
-            for inner in _tables(field.annotation):
-                yield from _all_keys(inner, f"{before}{name}.")
+        inner = [] if get_origin(field.annotation) is tuple else list(_tables(field.annotation))
+        if bool(inner) == is_table:
+            yield before + name
+        given = data.get(name) if isinstance(data, Mapping) else None
+        if field.default is None and given is None:
+            continue
+        for one in inner:
+            yield from _all_keys(one, given, is_table, f"{before}{name}.")
 
 
 def _list_of(place: Place) -> str:

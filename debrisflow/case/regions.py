@@ -258,7 +258,7 @@ def open_space(geometry: Geometry, particles: Particles) -> list[Region]:
     if isinstance(geometry, Tank3D):
         return [Region((0.0, 0.0, 0.0), (geometry.length, geometry.width, geometry.height))]
     if isinstance(geometry, Tank):
-        return [Region((0.0, 0.0), (geometry.width, geometry.height))]
+        return [Region((0.0, 0.0), (geometry.length, geometry.height))]
     crest = 0.0 if geometry.periodic else geometry.weir_height
     end = bed_end(geometry, particles) if crest > 0 else geometry.length
     spaces = [

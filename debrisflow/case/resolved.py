@@ -110,6 +110,7 @@ class ResolvedCase(Case):
     time: ResolvedTime = _known(Case, "time")
     output: ResolvedOutput = _known(Case, "output")
     _asked: Case | None = PrivateAttr(None)
+    _former_names: tuple[str, ...] = PrivateAttr(())
 
     @property
     def asked(self) -> Case | None:
@@ -119,9 +120,14 @@ class ResolvedCase(Case):
         """
         return self._asked
 
-    def keep(self, asked: Case | None) -> Self:
-        """Keep the case as it was asked, and return this one."""
-        self._asked = asked
+    @property
+    def former_names(self) -> tuple[str, ...]:
+        """What the file called by a former name, and its present one, a line each."""
+        return self._former_names
+
+    def keep(self, asked: Case | None, former_names: tuple[str, ...]) -> Self:
+        """Keep the case as it was asked, and the former names in it, and return this one."""
+        self._asked, self._former_names = asked, former_names
         return self
 
     @property

@@ -11,7 +11,7 @@ class Tank(Table):
     """A rectangular tank; its inner corner is the origin, y is up."""
 
     type: Literal["tank"]
-    width: float = quantity("m", "inner width along x", gt=0)
+    length: float = quantity("m", "inner length along x", gt=0)
     height: float = quantity("m", "height of the side walls above the floor", gt=0)
     ceiling: bool = quantity(NONE, "close the tank by a wall at its height", False)
     periodic: bool = quantity(NONE, "repeat the tank along x instead of side walls", False)

@@ -23,6 +23,7 @@ from debrisflow.case.regions import (
     runout_rise,
     volume_left,
 )
+from debrisflow.case.rheology import RampedStrength, Rheology
 from debrisflow.case.shapes import (
     Channel3D,
     ChannelShape,
@@ -32,7 +33,6 @@ from debrisflow.case.shapes import (
     is_three_dimensional,
     plain_of,
 )
-from debrisflow.case.strength import RampedStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyObstacle,
@@ -84,12 +84,12 @@ def intervals_in_order(
     particles: Particles,
     obstacle: Obstacles,
     fill: Fill,
-    strength: Strength,
+    rheology: Rheology,
 ) -> Problems:
     """Check that intervals begin before they end."""
     intervals = _extents(fill, obstacle)
-    if isinstance(strength, RampedStrength):
-        intervals["strength.concentration_ramp"] = strength.concentration_ramp
+    if isinstance(rheology, RampedStrength):
+        intervals["rheology.concentration_ramp"] = rheology.concentration_ramp
     for key, interval in intervals.items():
         if interval[0] >= interval[1]:
             yield Problem(key, "the first number must be less than the second", interval)
@@ -170,7 +170,7 @@ def space_resolved(geometry: Geometry, particles: Particles) -> Problems:
     if isinstance(geometry, Channel3D):
         across.append("width")
     if not geometry.periodic:
-        across.append("length" if isinstance(geometry, ChannelShape) else "width")
+        across.append("width" if isinstance(geometry, Tank3D) else "length")
     for name in across:
         length = getattr(geometry, name)
         if length < (FEWEST_SPACINGS - TOLERANCE) * spacing:
@@ -188,7 +188,7 @@ def periodic_space(geometry: Geometry, particles: Particles) -> Problems:
     """Check that a periodic space does not see itself and has no weir."""
     if not geometry.periodic:
         return
-    name = "length" if isinstance(geometry, ChannelShape) else "width"
+    name = "width" if isinstance(geometry, Tank3D) else "length"
     least = least_period(particles)
     if getattr(geometry, name) < least * (1 - TOLERANCE):
         message = (

@@ -16,8 +16,8 @@ from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Ve
 from debrisflow.case.friction import Friction
 from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.probes import AnyProbe
+from debrisflow.case.rheology import AnyRheology, NoStrength
 from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensional
-from debrisflow.case.strength import AnyStrength, NoStrength
 
 EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
 DISCHARGE = "m2/s or m3/s"  # in two or in three dimensions
@@ -73,12 +73,14 @@ class Block(Table):
     x: Interval = quantity("m", "extent along x")
     y: Interval = quantity("m", "extent along y")
     z: Interval | None = quantity("m", "extent along z, in three dimensions", None)
-    material: Literal["water", "sediment", "mixture", "mix"] = quantity(
+    material: Literal["water", "sediment", "mixture", "two-phase"] = quantity(
         NONE,
         "water; sediment (rock); mixture (one kind of particle for both); "
-        "mix (water and sediment particles, seeded at random, evenly)",
+        "two-phase (water and sediment particles, seeded at random, evenly)",
     )
-    sediment_share: float = quantity(NONE, "share of sediment particles in a mix", 0.5, ge=0, le=1)
+    sediment_share: float = quantity(
+        NONE, "share of sediment particles in a two-phase fill", 0.5, ge=0, le=1
+    )
     velocity: Components = quantity("m/s", "initial velocity", (0.0, 0.0))
 
 
@@ -86,10 +88,12 @@ class Bed(Table):
     """The recess of a channel, filled to the level of its fixed floor."""
 
     type: Literal["bed"]
-    material: Literal["water", "sediment", "mixture", "mix"] = quantity(
-        NONE, "as in a block", "mix"
+    material: Literal["water", "sediment", "mixture", "two-phase"] = quantity(
+        NONE, "as in a block", "two-phase"
     )
-    sediment_share: float = quantity(NONE, "share of sediment particles in a mix", 0.5, ge=0, le=1)
+    sediment_share: float = quantity(
+        NONE, "share of sediment particles in a two-phase fill", 0.5, ge=0, le=1
+    )
 
 
 AnyFill = Block | Bed | MeshFill
@@ -123,7 +127,7 @@ class Walls(Table):
     bed: Wall = Field(default=Wall(), description="floor and steps of the recess under the bed")
     left: Wall = Field(default=Wall(), description="wall at x = 0")
     right: Wall = Field(
-        default=Wall(), description="wall at x = width, or the end weir of a channel"
+        default=Wall(), description="wall at x = length, or the end weir of a channel"
     )
     ceiling: Wall = Field(default=Wall(), description="ceiling of a tank")
     front: Wall = Field(
@@ -283,8 +287,8 @@ class ExplicitScheme(Table):
     )
     collision_distance: float | None = quantity(
         "spacing",
-        "distance below which approaching particles collide, 0 for never; with a strength law 0.8, "
-        "else 0, if left out",
+        "distance below which approaching particles collide, 0 for never; with a rheological law "
+        "0.8, else 0, if left out",
         None,
         ge=0,
         le=1,
@@ -326,7 +330,7 @@ class Time(Table):
         None,
         gt=0,
     )
-    relaxation: float = quantity(
+    settling: float = quantity(
         "s", "time for which the fills settle, without inflow, before t = 0", 0.0, ge=0
     )
 
@@ -384,8 +388,8 @@ class Case(Table):
     fill: Annotated[tuple[Annotated[AnyFill, Field(discriminator="type")], ...], Strict(False)] = (
         Field(
             (),
-            description="what is filled with particles at the start, less obstacles; where fills "
-            "overlap the later one in the file counts",
+            description="regions that are filled with particles at the start, less obstacles; "
+            "where fills overlap the later one in the file counts",
         )
     )
     walls: Walls = Walls()
@@ -395,7 +399,7 @@ class Case(Table):
     mixture: Mixture = Mixture()
     collision_stress: CollisionStress = CollisionStress()
     drag: Drag = Drag()
-    strength: AnyStrength = NoStrength()
+    rheology: AnyRheology = NoStrength()
     scheme: AnyScheme = Scheme()
     time: Time
     output: Output

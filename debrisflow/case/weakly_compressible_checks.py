@@ -13,8 +13,8 @@ from debrisflow.case.defaults import (
 )
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, covered
+from debrisflow.case.rheology import NoStrength, Rheology
 from debrisflow.case.shapes import Geometry, is_three_dimensional
-from debrisflow.case.strength import NoStrength, Strength
 from debrisflow.case.tables import (
     AnyFill,
     AnyScheme,
@@ -67,7 +67,7 @@ def mixture_of_one_kind(scheme: AnyScheme, fill: Fill) -> Problems:
 def laws_of_mixture(
     scheme: AnyScheme,
     drag: Drag,
-    strength: Strength,
+    rheology: Rheology,
     collision_stress: CollisionStress,
     fill: Fill,
     inflow: Inflow | None,
@@ -79,9 +79,9 @@ def laws_of_mixture(
     if drag.law != "none":
         yield Problem("drag.law", HAS_NONE, drag.law)
     has_grains = "mixture" in phases(fill, inflow, geometry)
-    if not isinstance(strength, NoStrength) and not has_grains:
+    if not isinstance(rheology, NoStrength) and not has_grains:
         message = "has no effect on water; fill with 'mixture'"
-        yield Problem("strength.type", message, strength.type)
+        yield Problem("rheology.type", message, rheology.type)
     if not collision_stress.enabled:
         return
     if not has_grains:
@@ -108,23 +108,23 @@ def walls_at_rest(scheme: AnyScheme, walls: Walls) -> Problems:
                 yield Problem(f"walls.{name}.{field}", message, getattr(wall, field))
 
 
-def laws_of_study(scheme: AnyScheme, strength: Strength, walls: Walls) -> Problems:
+def laws_of_study(scheme: AnyScheme, rheology: Rheology, walls: Walls) -> Problems:
     """Check that the study's form of the explicit scheme is asked for what the study has."""
     if not isinstance(scheme, ExplicitScheme) or scheme.form == "stable":
         return
     instead = "not in scheme.form = 'study'; leave it out, or use 'stable'"
-    if not isinstance(strength, NoStrength):
-        yield Problem("strength.type", instead, strength.type)
+    if not isinstance(rheology, NoStrength):
+        yield Problem("rheology.type", instead, rheology.type)
     for name, wall in walls:
         if wall.friction is not None and wall.friction.law != "no-slip":
             yield Problem(f"walls.{name}.friction.law", instead, wall.friction.law)
 
 
-def no_relaxation(scheme: AnyScheme, time: Time) -> Problems:
-    """Check that the explicit scheme, which starts from the state of rest, has no relaxation."""
-    if isinstance(scheme, ExplicitScheme) and time.relaxation > 0:
+def no_settling(scheme: AnyScheme, time: Time) -> Problems:
+    """Check that the explicit scheme, which starts from the state of rest, has no settling."""
+    if isinstance(scheme, ExplicitScheme) and time.settling > 0:
         message = "the explicit scheme starts from hydrostatic columns instead; leave it out"
-        yield Problem("time.relaxation", message, time.relaxation)
+        yield Problem("time.settling", message, time.settling)
 
 
 def step_below_acoustic(
@@ -171,6 +171,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     laws_of_mixture,
     walls_at_rest,
     laws_of_study,
-    no_relaxation,
+    no_settling,
     step_below_acoustic,
 )

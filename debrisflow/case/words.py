@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
+from difflib import SequenceMatcher
 
 ABSENT = object()  # in place of a value that is not there
+NEAR = 0.75  # likeness of two words from which on one may be the other mistyped
+NEAR_IN_PART = 0.6  # of two that share a word between underscores: grain_size, grain_diameter
 
 
 def either(choices: Iterable[str]) -> str:
@@ -15,7 +17,33 @@ def either(choices: Iterable[str]) -> str:
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """Return ``; did you mean '…'?`` for the known word that is nearest, or nothing."""
-    others = [name for name in known if name != word]
-    near = get_close_matches(str(word).lower(), others, n=1, cutoff=0.6)
-    return f"; did you mean '{near[0]}'?" if near else ""
+    """Return ``; did you mean '…'?`` for the known word that is nearest, or nothing.
+
+    Examples
+    --------
+    >>> did_you_mean("grain_size", ["grain_diameter", "restitution"])
+    "; did you mean 'grain_diameter'?"
+    >>> did_you_mean("stop", ["slope", "vector"])
+    ''
+    """
+    near = nearest(word, known)
+    return f"; did you mean '{near}'?" if near else ""
+
+
+def nearest(word: object, known: Iterable[str], in_part: float = NEAR_IN_PART) -> str | None:
+    """Return the known word that is nearest to one, None if none is near.
+
+    Parameters
+    ----------
+    word : object
+    known : iterable of str
+    in_part : float
+        Likeness from which on words are near that share one between underscores.
+    """
+    text = str(word).lower()
+    parts, found = set(text.split("_")), []
+    for name in known:
+        likeness = SequenceMatcher(None, name, text).ratio()
+        if likeness >= (in_part if parts & set(name.split("_")) else NEAR) and name != word:
+            found.append((likeness, name))
+    return max(found)[1] if found else None

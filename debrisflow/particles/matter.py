@@ -31,7 +31,7 @@ def set_fraction(
     A particle keeps both while it moves: ``D rho / Dt = 0``, equation (1).
     """
     particles.sediment_fraction[rows] = fraction
-    particles.density[rows] = bulk_density(fraction, case.water, case.sediment, case.strength)
+    particles.density[rows] = bulk_density(fraction, case.water, case.sediment, case.rheology)
 
 
 def concentrations(case: ResolvedCase) -> set[float]:
@@ -49,5 +49,5 @@ def concentrations(case: ResolvedCase) -> set[float]:
 
 def reference_density(case: ResolvedCase) -> float:
     """Return rho0 of the equation of state, kg/m3: that of the heaviest matter of a case."""
-    water, sediment, strength = case.water, case.sediment, case.strength
-    return max(bulk_density(c, water, sediment, strength) for c in concentrations(case))
+    water, sediment, rheology = case.water, case.sediment, case.rheology
+    return max(bulk_density(c, water, sediment, rheology) for c in concentrations(case))

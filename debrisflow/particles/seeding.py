@@ -56,7 +56,7 @@ def _filled(
     block: tables.AnyFill, places: Floats, case: ResolvedCase, rng: np.random.Generator
 ) -> Particles:
     particles = _placed(places)
-    if block.material == "mix":
+    if block.material == "two-phase":
         is_sediment = _evenly_mixed(
             particles.position / case.particles.spacing, block.sediment_share, rng
         )
@@ -71,12 +71,13 @@ def _filled(
 
 
 def _evenly_mixed(position: Floats, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Return which particles of a mix are sediment: at random, but evenly over squares of four.
+    """Return which particles of a two-phase fill are sediment.
 
-    Up to the end of each square there are as many as its share of the particles so far, rounded up
-    or down at random.  Particles are much larger than grains, whose mixture is even at the size of
-    a particle; phases drawn without this care leave loose and dense places in a bed, which then
-    packs, gives off water, and slides on it.
+    They are drawn at random, but evenly over squares of four.  Up to the end of each square there
+    are as many as its share of the particles so far, rounded up or down at random.  Particles are
+    much larger than grains, whose mixture is even at the size of a particle; phases drawn without
+    this care leave loose and dense places in a bed, which then packs, gives off water, and slides
+    on it.
 
     Parameters
     ----------

@@ -127,7 +127,7 @@ def initial_state(case: ResolvedCase) -> State:
     if isinstance(case.scheme, tables.ExplicitScheme):
         hydrostatic_start.jitter(particles, case)
     maxima = no_maxima(plan(case).x.size)
-    state = State(particles, maxima, time=0.0 - case.time.relaxation, next_id=particles.count)
+    state = State(particles, maxima, time=0.0 - case.time.settling, next_id=particles.count)
     if case.inflow is not None:
         state.supply_columns = wall_layers(case)
         owed = supplied_sediment(case, state.supply_columns)

@@ -41,7 +41,7 @@ class Flow(NamedTuple):
     consistency : (n,) float64 array, Pa s^n, or None
         None where the law has none, for which kernels are compiled that are faster.
     viscosity : (n,) float64 array, Pa s
-        All but that of the law of strength: Newtonian, of colliding grains, of eddies.
+        All but that of the rheological law: Newtonian, of colliding grains, of eddies.
     eddies : (n,) float64 array, Pa s
         That of eddies, which exchange nothing with a rough wall: that is the law of the wall, see
         :mod:`debrisflow.physics.wall_friction`.

@@ -9,7 +9,7 @@ from debrisflow.case import ResolvedCase, tables
 from debrisflow.case.defaults import phases
 from debrisflow.case.fields import NONE, Table
 from debrisflow.case.resolved import ResolvedInflow, UnsteadyInflow
-from debrisflow.case.strength import NoStrength
+from debrisflow.case.rheology import NoStrength
 
 
 class Parameter(NamedTuple):
@@ -102,8 +102,8 @@ def _words(case: ResolvedCase) -> Iterator[str]:
 
 
 def _laws(case: ResolvedCase) -> Iterator[str]:
-    if not isinstance(case.strength, NoStrength):
-        yield case.strength.summary()
+    if not isinstance(case.rheology, NoStrength):
+        yield case.rheology.summary()
     yield (
         f"collision stress {case.collision_stress.granular_temperature}"
         if (case.collision_stress.enabled)

@@ -202,7 +202,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
     given, speed = speeds(case)
     space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
     first, smallest = step_at(case, given), step_at(case, speed)
-    whole = case.time.end + case.time.relaxation
+    whole = case.time.end + case.time.settling
     counts = _counts(case)
     frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
     return Forecast(

@@ -130,7 +130,7 @@ class _Run:
         self.scheme.seconds = self.clock  # one clock for the steps and what is around them
         self._given_threads, self.threads = threads, 0
         self._set_threads()
-        start, end, output = -case.time.relaxation, case.time.end, case.output
+        start, end, output = -case.time.settling, case.time.end, case.output
         self.frames = Schedule(output.interval, 0.0, end)
         self.deposits = Schedule(output.deposit_interval, 0.0, end)
         self.histories = Schedule(output.history_interval, start, end)

@@ -107,7 +107,7 @@ def mass(case: ResolvedCase, number: ArrayLike, sediment: ArrayLike) -> Floats:
     sediment : (...) array
         The volume of sediment in them, in particles.
     """
-    pores, volume = pore_density(case.water, case.strength), particle_volume(case)
+    pores, volume = pore_density(case.water, case.rheology), particle_volume(case)
     excess = case.sediment.density - pores
     return np.asarray(number) * (pores * volume) + np.asarray(sediment) * (excess * volume)
 

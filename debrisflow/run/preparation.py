@@ -12,22 +12,22 @@ from debrisflow.run.trial import take_step
 from debrisflow.schemes.choice import scheme_of
 
 STEPS = 2  # only the second step checks whether the neighbor lists are out of date
-# for choices that no shipped case makes; each law of strength has kernels of its own
+# for choices that no shipped case makes; each rheological law has kernels of its own
 LAWS: tuple[tuple[str, ...], ...] = (
-    ("strength.type='mu-i'", "strength.dynamic_friction_angle=45.0"),
-    ("strength.type='bingham'", "strength.yield_stress=30.0"),
+    ("rheology.type='mu-i'", "rheology.dynamic_friction_angle=45.0"),
+    ("rheology.type='bingham'", "rheology.yield_stress=30.0"),
     (
-        "strength.type='herschel-bulkley'",
-        "strength.yield_stress=30.0",
-        "strength.consistency=5.0",
-        "strength.exponent=0.5",
+        "rheology.type='herschel-bulkley'",
+        "rheology.yield_stress=30.0",
+        "rheology.consistency=5.0",
+        "rheology.exponent=0.5",
     ),
     (
-        "strength.type='obrien-julien'",
-        "strength.yield_stress=1.0",
-        "strength.yield_growth=10.0",
-        "strength.consistency=0.01",
-        "strength.viscosity_growth=10.0",
+        "rheology.type='obrien-julien'",
+        "rheology.yield_stress=1.0",
+        "rheology.yield_growth=10.0",
+        "rheology.consistency=0.01",
+        "rheology.viscosity_growth=10.0",
     ),
 )
 VARIANTS: dict[str, tuple[tuple[str, ...], ...]] = {

@@ -43,14 +43,14 @@ class Progress:
     def __init__(self, case: ResolvedCase, state: State, clock: Clock) -> None:
         self.particle_steps = self.steps = 0
         self.clock = clock
-        self._relaxation = case.time.relaxation
+        self._settling = case.time.settling
         self._left = TimeLeft(case, state.particles.fluid_count)
         self._drawn = perf_counter()
         self._seen = COMPILATIONS.seconds
         self._compiled = self._seen - clock.compile_seconds
         self._bar = bar(
-            total=case.time.end + self._relaxation,
-            initial=state.time + self._relaxation,
+            total=case.time.end + self._settling,
+            initial=state.time + self._settling,
             bar_format=BAR,
         )
 
@@ -84,7 +84,7 @@ class Progress:
             + ("" if left is None else f", {self._bar.format_interval(left)} left"),
             refresh=False,
         )
-        self._bar.update(state.time + self._relaxation - self._bar.n)
+        self._bar.update(state.time + self._settling - self._bar.n)
 
     def _show_compiling(self, seconds: float) -> None:
         now = perf_counter()

@@ -79,7 +79,7 @@ class TimeLeft:
     """
 
     def __init__(self, case: ResolvedCase, fluid: int) -> None:
-        self._end, whole = case.time.end, case.time.end + case.time.relaxation
+        self._end, whole = case.time.end, case.time.end + case.time.settling
         self._interval = case.output.interval
         self._kept = SHARE_KEPT * whole
         slow, fast = (1.0 / step_at(case, speed) for speed in speeds(case))

@@ -6,7 +6,7 @@ import numpy as np
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH
-from debrisflow.case.strength import FrictionalStrength, NoStrength
+from debrisflow.case.rheology import FrictionalStrength, NoStrength
 from debrisflow.neighbors.boundary import find_inside
 from debrisflow.neighbors.height_field import HeightField
 from debrisflow.particles.inflow_outflow import remove_lost
@@ -39,8 +39,8 @@ class Explicit(Scheme):
 
         s' = s + dt ds/dt(r, u),  p = rho0 c^2 s',  u' = u + dt a(r, u, p),  r' = r + dt u'
 
-    Each particle stands for water or for a mixture.  With a strength law, and so with a viscosity
-    that has no bound, momentum is exchanged implicitly between forces and motion:
+    Each particle stands for water or for a mixture.  With a rheological law, and so with a
+    viscosity that has no bound, momentum is exchanged implicitly between forces and motion:
 
         (1 + dt K / rho) u' = u + dt a(r, u, p)
 
@@ -60,7 +60,7 @@ class Explicit(Scheme):
             self.lattice,
             self.domain,
             ground,
-            shares_drag=not isinstance(case.strength, NoStrength),
+            shares_drag=not isinstance(case.rheology, NoStrength),
         )
         self.terms = self._terms(case, ground is not None)
 
@@ -71,8 +71,8 @@ class Explicit(Scheme):
         # what the artificial viscosity along the line of two particles is in shear
         kinematic = numbers.artificial_viscosity * numbers.sound_speed * self.lattice.spacing
         least = numbers.density * kinematic / (case.dimension + 2.0)
-        strength, stress = case.strength, case.collision_stress
-        is_implicit = not isinstance(strength, NoStrength)
+        rheology, stress = case.rheology, case.collision_stress
+        is_implicit = not isinstance(rheology, NoStrength)
         is_sheared = is_implicit or (stress.enabled and stress.granular_temperature == "algebraic")
         collisions = MixtureCollisions(case, numbers.density, numbers.sound_speed, is_implicit)
         frictions = BaseFrictions(case, is_implicit=is_implicit)
@@ -86,9 +86,9 @@ class Explicit(Scheme):
             walls=frictions if has_friction else None,
         )
         touch, grains = CONTACT * self.lattice.spacing, None
-        if isinstance(strength, FrictionalStrength):
+        if isinstance(rheology, FrictionalStrength):
             balance = SharedPressure if is_even else GrainPressure
-            grains = balance(case, strength, gravity)
+            grains = balance(case, rheology, gravity)
         self._density = Density(numbers, is_even)
         forces = Forces(numbers, is_even, is_even and not stress.enabled, not is_implicit)
         wall_forces = WallForces() if are_asked(case) else None

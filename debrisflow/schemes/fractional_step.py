@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.resolved import ResolvedScheme
-from debrisflow.case.strength import FrictionalStrength, NoStrength
+from debrisflow.case.rheology import FrictionalStrength, NoStrength
 from debrisflow.particles.state import State
 from debrisflow.physics.free_surface import FreeSurface
 from debrisflow.physics.pressure import find_free_surface
@@ -77,9 +77,9 @@ class FractionalStep(Scheme):
     def _terms(
         self, case: ResolvedCase, scheme: ResolvedScheme, gravity: NDArray[np.float64]
     ) -> tuple[Term, ...]:
-        strength, stress = case.strength, case.collision_stress
-        has_strength = not isinstance(strength, NoStrength)
-        is_frictional = isinstance(strength, FrictionalStrength)
+        rheology, stress = case.rheology, case.collision_stress
+        has_strength = not isinstance(rheology, NoStrength)
+        is_frictional = isinstance(rheology, FrictionalStrength)
         slip = Slip(drag_of(case), gravity) if case.drag.law != "none" else None
         is_sheared = has_strength or (stress.enabled and stress.granular_temperature == "algebraic")
         held = self._held(case)
@@ -87,8 +87,8 @@ class FractionalStep(Scheme):
             case, gravity, RESIDUAL, is_smooth=is_frictional, least_viscosity=0.0, walls=held
         )
         grains = None
-        if isinstance(strength, FrictionalStrength):
-            grains = GrainPressure(case, strength, gravity)
+        if isinstance(rheology, FrictionalStrength):
+            grains = GrainPressure(case, rheology, gravity)
         terms = (
             Gravity(gravity),
             Concentration(gravity / (np.linalg.norm(gravity) or 1.0), is_even=False),

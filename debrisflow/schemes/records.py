@@ -20,17 +20,17 @@ ERGUN_FROM = {"gidaspow": 0.2, "wen-yu": np.inf}
 
 
 def law_of(case: ResolvedCase) -> Law:
-    """Return the record of a checked case's law of strength.
+    """Return the record of a checked case's rheological law.
 
     It is made by what the file in ``physics/rheology`` with the name of the law's ``type`` calls
     ``law``: the record itself, or a function of what a user states.  It is given by name what it
     asks for of the fields of the table, ``ramp_start`` and ``ramp_end`` of the concentration,
     ``grain_diameter`` and ``grain_density``.
     """
-    name = case.strength.type.replace("-", "_")
+    name = case.rheology.type.replace("-", "_")
     make = import_module(f"debrisflow.physics.rheology.{name}").law
     sediment = case.sediment
-    known = dict(case.strength) | {
+    known = dict(case.rheology) | {
         "grain_diameter": sediment.grain_diameter,
         "grain_density": sediment.density,
     }

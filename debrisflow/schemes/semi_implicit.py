@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.resolved import ResolvedScheme
-from debrisflow.case.strength import NoStrength
+from debrisflow.case.rheology import NoStrength
 from debrisflow.physics.pressure import higher_order_factor
 from debrisflow.physics.virtual_air import VirtualAir, virtual_air
 from debrisflow.schemes.fractional_step import FractionalStep
@@ -37,7 +37,7 @@ class SemiImplicit(FractionalStep):
         return PressurePush(gravity)
 
     def _held(self, case: ResolvedCase) -> BaseFrictions | None:
-        has_strength = not isinstance(case.strength, NoStrength)
+        has_strength = not isinstance(case.rheology, NoStrength)
         frictions = BaseFrictions(case, is_implicit=has_strength)
         return frictions if any(np.any(values) for values in frictions.friction) else None
 

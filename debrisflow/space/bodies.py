@@ -136,7 +136,7 @@ def _section_of_tank(shape: shapes.Tank) -> list[Body]:
     bodies = [Body(ALL, ALL, (-inf, 0.0), FLOOR)]
     if not shape.periodic:
         bodies.append(Body((-inf, 0.0), ALL, high, LEFT))
-        bodies.append(Body((shape.width, inf), ALL, high, RIGHT))
+        bodies.append(Body((shape.length, inf), ALL, high, RIGHT))
     if shape.ceiling:
         bodies.append(Body(ALL, ALL, (shape.height, inf), CEILING))
     return bodies

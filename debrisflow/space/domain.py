@@ -87,7 +87,7 @@ def domain(case: ResolvedCase) -> Domain:
     else:
         sides = not shape.periodic
         if isinstance(shape, shapes.Tank):
-            length, lowest = shape.width, 0.0
+            length, lowest = shape.length, 0.0
             highest = shape.height + d0 if shape.ceiling else 4.0 * shape.height
             right = length + d0
             closed[:2] = (sides, sides), (True, shape.ceiling)

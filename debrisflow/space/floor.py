@@ -79,11 +79,10 @@ def is_over_floor(case: ResolvedCase, x: Floats, y: Floats) -> NDArray[np.bool_]
     array([ True, False,  True])
     """
     shape = case.geometry
-    length = shape.width if isinstance(shape, shapes.Tank) else shape.length
     repeats_along_x = shape.periodic and not isinstance(shape, shapes.Tank3D)
     over = np.full(np.shape(x), fill_value=True)
     if not repeats_along_x:
-        over &= (x > 0.0) & (x < length)
+        over &= (x > 0.0) & (x < shape.length)
     if not is_three_dimensional(shape):
         return over
     plain = plain_of(shape)

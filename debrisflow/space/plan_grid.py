@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import ResolvedCase, shapes
+from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.shapes import is_three_dimensional, plain_of
 from debrisflow.space.domain import domain
@@ -76,8 +76,7 @@ class Located(NamedTuple):
 
 def floor_length(case: ResolvedCase) -> float:
     """Return the extent of a tank or channel along x, m."""
-    shape = case.geometry
-    return shape.width if isinstance(shape, shapes.Tank) else shape.length
+    return case.geometry.length
 
 
 def floor_ends(case: ResolvedCase, x: float, y: float) -> tuple[Floats, Floats]:

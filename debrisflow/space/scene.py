@@ -92,8 +92,7 @@ def floor_profile(case: ResolvedCase) -> list[tuple[float, float]]:
     """
     shape = case.geometry
     if not isinstance(shape, ChannelShape):
-        length = shape.length if isinstance(shape, Tank3D) else shape.width
-        return [(0.0, 0.0), (length, 0.0)]
+        return [(0.0, 0.0), (shape.length, 0.0)]
     inner = [shape.runout_start]
     if shape.bed_thickness > 0.0 or shape.weir_height > 0.0:
         inner += [shape.bed_start, shape.bed_end]
@@ -136,7 +135,7 @@ def closed_ends(case: ResolvedCase) -> list[float]:
         return [0.0, shape.length]
     if shape.periodic:
         return []
-    return [0.0, shape.width] if isinstance(shape, Tank) else [0.0]
+    return [0.0, shape.length] if isinstance(shape, Tank) else [0.0]
 
 
 def section_lines(case: ResolvedCase) -> list[Floats]:
@@ -149,7 +148,7 @@ def section_lines(case: ResolvedCase) -> list[Floats]:
     for x in closed_ends(case):
         lines.append(np.array([(x, foot if x == 0.0 else 0.0), (x, shape.height)]))
     if isinstance(shape, Tank) and shape.ceiling:
-        lines.append(np.array([(0.0, shape.height), (shape.width, shape.height)]))
+        lines.append(np.array([(0.0, shape.height), (shape.length, shape.height)]))
     return lines
 
 

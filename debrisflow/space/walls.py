@@ -277,13 +277,13 @@ def _beside_runout(
 
 def _tank_cells(shape: shapes.Tank, case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:
     d0, layers = case.particles.spacing, wall_layers(case)
-    width, height = cells_along(shape.width, d0), cells_along(shape.height, d0)
+    length, height = cells_along(shape.length, d0), cells_along(shape.height, d0)
     margin = 0 if shape.periodic else layers
-    x = np.arange(-margin, width + margin)
+    x = np.arange(-margin, length + margin)
     y = np.arange(-layers, height + (layers if shape.ceiling else 0))
     name = np.full((x.size, y.size), -1)
     name[x < 0] = LEFT
-    name[x >= width] = RIGHT
+    name[x >= length] = RIGHT
     name[:, y < 0] = FLOOR
     name[:, y >= height] = CEILING
     _draw_obstacles(name, (x, y), case)

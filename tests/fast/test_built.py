@@ -30,7 +30,7 @@ TOO_SHORT = {("heap3d", 1.3)}  # its periodic width is the least that its own sp
 MARTIN = """
 title = "Martin & Moyce"
 particles = { spacing = 0.01 }
-geometry = { type = "tank", width = 0.584, height = 0.2 }
+geometry = { type = "tank", length = 0.584, height = 0.2 }
 time = { end = 0.001 }
 output = { interval = 0.001 }
 
@@ -102,9 +102,9 @@ class TestLengths:
     def test_a_tank_off_the_lattice_is_built_and_told(self, martin):
         case = load_case(martin)
 
-        assert (case.geometry.width, case.geometry.height) == (0.58, 0.2)
+        assert (case.geometry.length, case.geometry.height) == (0.58, 0.2)
         assert [(row.key, row.asked, row.built) for row in roundings(case)] == [
-            ("geometry.width", 0.584, 0.58),
+            ("geometry.length", 0.584, 0.58),
             ("fill.0.x.1", 0.146, 0.15),
             ("fill.0.y.1", 0.146, 0.15),
             ("fill.1.x.0", 0.146, 0.15),
@@ -115,7 +115,7 @@ class TestLengths:
         case = load_case(martin)
 
         assert case.fill[0].x[1] == case.fill[1].x[0]
-        assert case.fill[1].x[1] == case.geometry.width
+        assert case.fill[1].x[1] == case.geometry.length
         assert seed(case).fluid_count == 15 * 15 + 43 * 3
 
     def test_what_is_built_builds_the_same(self, martin, tmp_path):
@@ -130,8 +130,8 @@ class TestLengths:
         path = next(path for path in CASES if path.stem == "poiseuille2d")
         case = load_case(path, ["particles.spacing=6.5e-5"])
 
-        assert case.geometry.width == pytest.approx(13 * 6.5e-5)
-        assert case.fill[0].x == (0.0, case.geometry.width)
+        assert case.geometry.length == pytest.approx(13 * 6.5e-5)
+        assert case.fill[0].x == (0.0, case.geometry.length)
 
     @pytest.mark.parametrize("place", [0.144, 0.146, 0.15])
     def test_a_probe_at_the_wall_that_is_asked_is_at_the_one_that_is_built(self, martin, place):
@@ -180,9 +180,11 @@ class TestObstacles:
         dam = '[[obstacle]]\ntype = "box"\nname = "dam"\nx = [2.03, 2.15]\ny = [0.0, 0.98]\n'
         path = written(tmp_path, f"{CHANNEL}velocity = 1.0\n{dam}z = [0.0, 0.33]\n")
 
-        (dam,) = load_case(path).obstacle
+        case = load_case(path)
+        (dam,) = case.obstacle
 
         assert (dam.x, dam.y, dam.z) == ((2.03, 2.15), (0.0, 1.0), (0.0, 0.33))
+        assert ("obstacle.dam.y.1", 0.98, 1.0, " m") in roundings(case)
 
     def test_a_thin_box_at_a_wall_goes_with_it(self):
         plate = PIER | {"x": [1.06, 1.16], "z": [0.0, 0.3]}
@@ -280,7 +282,7 @@ class TestReport:
         head = next(k for k, line in enumerate(told) if line.startswith("built to the spacing"))
         assert told[head].split()[-3:] == ["asked", "built", "difference"]
         rows = [line.split() for line in told[head + 1 :]]
-        assert rows[0] == ["geometry.width", "0.584", "m", "0.58", "m", "-0.7%"]
+        assert rows[0] == ["geometry.length", "0.584", "m", "0.58", "m", "-0.7%"]
         assert rows[-2] == ["fill.0,", "area", "0.021316", "m2", "0.0225", "m2", "+5.6%"]
 
     def test_check_says_nothing_where_nothing_differs(self, martin):
@@ -291,7 +293,7 @@ class TestReport:
     def test_a_run_notes_it_in_its_log(self, martin, tmp_path):
         simulate(load_case(martin), tmp_path / "run", threads=1)
 
-        assert "geometry.width                 0.584 m" in (tmp_path / "run/run.log").read_text()
+        assert "geometry.length                0.584 m" in (tmp_path / "run/run.log").read_text()
         assert logging.getLogger("debrisflow").handlers == []
 
     def test_the_volume_of_a_fill_around_a_box_is_told_where_it_is_off(self):

@@ -8,7 +8,7 @@ import pytest
 
 from debrisflow.case import Case, case_schema, dump_case, load_case
 from debrisflow.case.defaults import complete
-from debrisflow.case.strength import Bingham, NoStrength
+from debrisflow.case.rheology import Bingham, NoStrength
 from debrisflow.case.tables import Inflow
 from debrisflow.errors import CaseError
 from tests.conftest import CHANNEL, TANK
@@ -116,7 +116,7 @@ class TestRoundTrip:
             ["gravity.vector=[1, -9]"],
             ["water.viscosity=100"],
             ["particles.effective_radius=2.1"],
-            ["strength.type=coulomb", "drag.law=gidaspow", "water.viscosity=100"],
+            ["rheology.type=coulomb", "drag.law=gidaspow", "water.viscosity=100"],
         ],
         ids=" ".join,
     )
@@ -185,7 +185,7 @@ largest_viscosity = 1000000.0
 """
 
 
-class TestFormerStrength:
+class TestFormerRheology:
     @pytest.mark.parametrize(
         ("law", "numbers"),
         [
@@ -213,11 +213,11 @@ class TestFormerStrength:
 
         case = load_case(tank)
 
-        assert case.strength.model_dump().items() >= ({"type": law} | numbers).items()
-        assert case.strength.mixing_length == 0.004
+        assert case.rheology.model_dump().items() >= ({"type": law} | numbers).items()
+        assert case.rheology.mixing_length == 0.004
         assert f'type = "{law}"' in dump_case(case)
-        assert "law = " not in dump_case(case).partition("[strength]")[2]
-        assert reloaded(case, tank.parent) == case
+        assert "law = " not in dump_case(case).partition("[rheology]")[2]
+        assert reloaded(case, tank.parent).model_dump() == case.model_dump()
 
     @pytest.mark.parametrize("name", ["law", "type"])
     @pytest.mark.parametrize("former", [True, False])
@@ -229,14 +229,14 @@ class TestFormerStrength:
 
         case = load_case(tank, [f"strength.{name}=bingham", "strength.yield_stress=20"])
 
-        assert case.strength == Bingham(type="bingham", yield_stress=20.0, mixing_length=0.01)
+        assert case.rheology == Bingham(type="bingham", yield_stress=20.0, mixing_length=0.01)
 
     def test_a_law_is_switched_off_with_its_numbers_left_in_the_file(self, tank: Path) -> None:
-        tank.write_text(tank.read_text() + '[strength]\ntype = "coulomb"\nfriction_angle = 28.0\n')
+        tank.write_text(tank.read_text() + '[rheology]\ntype = "coulomb"\nfriction_angle = 28.0\n')
 
-        assert load_case(tank, ["strength.type=none"]).strength == NoStrength()
+        assert load_case(tank, ["rheology.type=none"]).rheology == NoStrength()
         with pytest.raises(CaseError, match="a dry mass needs friction"):
-            load_case(tank, ["strength.type=none", "strength.saturated=false"])
+            load_case(tank, ["rheology.type=none", "rheology.saturated=false"])
 
 
 class TestHydrograph:
@@ -288,6 +288,14 @@ class TestOverrides:
         assert [probe.size for probe in case.probe] == [0.06, 0.05]
         with pytest.raises(CaseError, match=r"no such entry; there are 2, .* by name 'a' or 'b'"):
             load_case(tank, ["probe.c.size=0.05"])
+
+    def test_the_key_of_an_error_is_one_that_can_be_set(self, tank: Path) -> None:
+        gauge = '[[probe]]\nname = "p1"\ntype = "height"\nx = 0.9\ninterval = 1.0\n'
+        tank.write_text(tank.read_text() + gauge)
+
+        with pytest.raises(CaseError, match=r"^.*\n  probe\.p1\.x = 0\.9 m: outside the tank"):
+            load_case(tank)
+        assert load_case(tank, ["probe.p1.x=0.1"]).probe[0].x == 0.1
 
     def test_one_way_of_gravity_replaces_the_other(self, channel: Path) -> None:
         case = load_case(channel, ["gravity.vector=[0, -9.81]"])
@@ -356,9 +364,9 @@ class TestSchema:
         assert used <= set(schema["$defs"])
         assert used
 
-    def test_a_strength_completes_by_its_law(self) -> None:
+    def test_a_rheology_completes_by_its_law(self) -> None:
         schema = json.loads(case_schema())
-        options = schema["properties"]["strength"]
+        options = schema["properties"]["rheology"]
         mapping = options["discriminator"]["mapping"]
 
         assert {option["$ref"] for option in options["oneOf"]} == set(mapping.values())

@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from debrisflow.case.materials import Sediment, Water, bulk_density
-from debrisflow.case.strength import LAWS, Coulomb
+from debrisflow.case.rheology import LAWS, Coulomb
 from debrisflow.physics.rheology import (
     ramp,
     yield_strength,
@@ -21,9 +21,9 @@ WATER, ROCK = Water(density=1000.0), Sediment(density=2500.0)
 WET, DRY = Coulomb(type="coulomb"), Coulomb(type="coulomb", saturated=False)
 
 
-def law_from(**strength):
-    """Return the law of a case with a table of strength."""
-    return law_of(tank_case(4, 4, "mixture", strength=strength))
+def law_from(**rheology):
+    """Return the law of a case with a table of rheology."""
+    return law_of(tank_case(4, 4, "mixture", rheology=rheology))
 
 
 def test_the_density_of_a_mixture_is_that_of_its_parts():

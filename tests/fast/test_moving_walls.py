@@ -183,7 +183,7 @@ def test_a_motion_comes_from_a_file_with_the_columns_that_it_has(tmp_path):
     (tmp_path / "gate.csv").write_text("# measured\ntime, y\n0, 0\n0.1, 0.2\n")
     (tmp_path / "case.toml").write_text(
         'title = "gate"\nparticles = { spacing = 0.05 }\n'
-        'geometry = { type = "tank", width = 1.0, height = 0.5 }\n'
+        'geometry = { type = "tank", length = 1.0, height = 0.5 }\n'
         'fill = [{ type = "block", x = [0.0, 0.4], y = [0.0, 0.3], material = "water" }]\n'
         'obstacle = [{ type = "box", name = "gate", x = [0.4, 0.41], y = [0.0, 0.5],'
         ' motion = "gate.csv" }]\n'

@@ -47,7 +47,7 @@ def case():
         Case(
             title="tank",
             particles={"spacing": 0.1},
-            geometry={"type": "tank", "width": 1.0, "height": 1.0},
+            geometry={"type": "tank", "length": 1.0, "height": 1.0},
             fill=[
                 {"type": "block", "x": [0, 0.5], "y": [0, 0.4], "material": "water"},
                 {"type": "block", "x": [0.5, 1.0], "y": [0, 0.4], "material": "mixture"},

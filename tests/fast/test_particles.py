@@ -1,4 +1,4 @@
-"""The seeding of mixes, and particles that come and go."""
+"""The seeding of two phases, and particles that come and go."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from tests.building import tank_case
 @pytest.mark.parametrize("share", [0.2, 0.55])
 def test_a_mix_has_its_share_everywhere(share):
     columns, rows, spacing = 40, 20, 0.01
-    case = tank_case(columns, rows, "mix", spacing=spacing)
+    case = tank_case(columns, rows, "two-phase", spacing=spacing)
     fill = case.fill[0].model_copy(update={"sediment_share": share})
     particles = seed(case.model_copy(update={"fill": (fill,)}))
     fluid = particles.fluid

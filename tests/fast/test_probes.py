@@ -29,7 +29,7 @@ def still_water(dimension, probes, depth=0.5, obstacle=(), closed=False, **table
     In two dimensions it may be closed by a ceiling, and then repeats.
     """
     block = {"type": "block", "x": [0.0, 1.0], "y": [0.0, depth], "material": "water"}
-    geometry = {"type": "tank", "width": 1.0, "height": 1.0}
+    geometry = {"type": "tank", "length": 1.0, "height": 1.0}
     geometry |= {"ceiling": closed, "periodic": closed}
     if dimension == 3:
         geometry = {"type": "tank3d", "length": 1.0, "width": 0.6, "height": 1.0}
@@ -167,9 +167,9 @@ def test_the_force_of_still_water_on_its_walls_in_two_dimensions():
     np.testing.assert_allclose(right[2], -push * 0.5 / 3, rtol=0.05)  # at a third of the depth
 
 
-@pytest.mark.parametrize("strength", ["none", "bingham"])
-def test_the_force_of_a_shear_on_the_walls_beside_it_in_two_dimensions(strength):
-    law = {"type": "bingham", "yield_stress": 1e-6} if strength == "bingham" else {"type": "none"}
+@pytest.mark.parametrize("rheology", ["none", "bingham"])
+def test_the_force_of_a_shear_on_the_walls_beside_it_in_two_dimensions(rheology):
+    law = {"type": "bingham", "yield_stress": 1e-6} if rheology == "bingham" else {"type": "none"}
     case, state = still_water(
         2,
         [{"type": "force", "wall": wall} for wall in ("floor", "ceiling")],
@@ -177,7 +177,7 @@ def test_the_force_of_a_shear_on_the_walls_beside_it_in_two_dimensions(strength)
         water={"viscosity": 2.0},
         walls={"ceiling": {"velocity": [0.3, 0.0]}},
         gravity={"acceleration": 0.0},
-        strength=law,
+        rheology=law,
         closed=True,
     )
     scheme, p, measures = SemiImplicit(case), state.particles, samplers(case, state)

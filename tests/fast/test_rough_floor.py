@@ -47,7 +47,7 @@ def channel(dimension, mixing_length=0.01):
             },
             fill=[block, {"type": "bed"}],
             scheme={"type": "explicit"} if solid else {},
-            strength={"type": "coulomb", "mixing_length": mixing_length},
+            rheology={"type": "coulomb", "mixing_length": mixing_length},
             time={"end": 1.0},
             output={"interval": 1.0},
         )

@@ -93,7 +93,7 @@ def carry_over(phases, step, time=0.0):
 
 
 def random_mix(dimension, radius, rng, count=300):
-    """Return a random mix of water and sediment with relative velocities, and who is near whom."""
+    """Return random water and sediment particles with relative velocities, and who is near whom."""
     spacing = count ** (-1.0 / dimension)
     near = one_list(random_patch(dimension, count, rng), reference(dimension, radius, spacing))
     particles = blank(count)

@@ -26,7 +26,7 @@ SLIDING = {"walls": {name: {"friction": {"law": "coulomb", "angle": 20.0}} for n
 ROUGH = {"walls": {name: {"friction": {"law": "log", "roughness": 0.01}} for name in WALLS}}
 SLURRY = {
     "mixture": {"viscosity": 0.5},
-    "strength": {"type": "bingham", "yield_stress": 50.0},
+    "rheology": {"type": "bingham", "yield_stress": 50.0},
 }
 CASES = {
     "no-slip": {"water": {"viscosity": 1e-3}},

@@ -77,7 +77,7 @@ def two_phases():
         Case(
             title="two columns",
             particles={"spacing": 0.02},
-            geometry={"type": "tank", "width": 0.4, "height": 0.3},
+            geometry={"type": "tank", "length": 0.4, "height": 0.3},
             fill=blocks,
             time={"end": 1.0},
             output={"interval": 0.1},

@@ -1,4 +1,4 @@
-"""Whole steps of the explicit scheme with a strength law: what rests, what slides, what weighs."""
+"""Whole steps of the explicit scheme with a rheological law: what rests, slides and weighs."""
 
 import shutil
 
@@ -22,7 +22,7 @@ COULOMB = {"type": "coulomb", "friction_angle": ANGLE}
 DRY = COULOMB | {"saturated": False}
 
 
-def layer(slope=0.0, strength=COULOMB, rows=(("mixture", 5),), floor="no-slip", **tables):
+def layer(slope=0.0, rheology=COULOMB, rows=(("mixture", 5),), floor="no-slip", **tables):
     """Return a case: layers of so many rows in a channel that repeats, with smooth side walls."""
     length, width, top, fill = 10 * D0, 4 * D0, 0.0, []
     for material, count in rows:
@@ -41,7 +41,7 @@ def layer(slope=0.0, strength=COULOMB, rows=(("mixture", 5),), floor="no-slip", 
             walls=walls | {"floor": {"slip": floor}},
             fill=fill,
             mixture={"concentration": C},
-            strength=strength,
+            rheology=rheology,
             **tables,
         )
     )
@@ -75,10 +75,10 @@ def test_dry_grains_stay_on_a_slope_below_their_friction_angle(slope):
 def test_a_slurry_stays_below_its_yield_stress_and_runs_above():
     stress = MIXTURE * G * DEPTH * np.sin(np.radians(10.0))
     for share, law in ((1.5, "bingham"), (0.5, "bingham"), (1.5, "herschel-bulkley")):
-        strength = {"type": law, "yield_stress": share * stress}
+        rheology = {"type": law, "yield_stress": share * stress}
         if law == "herschel-bulkley":
-            strength |= {"consistency": 1.0, "exponent": 0.5}
-        way, state = moved(layer(10.0, strength), until=0.4)
+            rheology |= {"consistency": 1.0, "exponent": 0.5}
+        way, state = moved(layer(10.0, rheology), until=0.4)
         if share > 1.0:
             assert np.abs(way[:, 0]).mean() < 0.01 * D0
         else:
@@ -102,9 +102,9 @@ def test_dry_grains_above_their_friction_angle_slide_with_what_friction_leaves(s
     assert friction == pytest.approx(np.tan(np.radians(ANGLE)), rel=0.05)
 
 
-@pytest.mark.parametrize("strength", [{"type": "none"}, DRY], ids=["fluid", "coulomb"])
-def test_a_layer_on_a_smooth_slope_gains_what_gravity_gives(strength):
-    scheme, state = started(layer(35.0, strength, floor="free-slip"))
+@pytest.mark.parametrize("rheology", [{"type": "none"}, DRY], ids=["fluid", "coulomb"])
+def test_a_layer_on_a_smooth_slope_gains_what_gravity_gives(rheology):
+    scheme, state = started(layer(35.0, rheology, floor="free-slip"))
     p = state.particles
     advance(scheme, state, until=0.2)
     expected = G * np.sin(np.radians(35.0)) * state.time
@@ -127,7 +127,7 @@ def test_grains_of_a_saturated_mixture_carry_the_buoyant_share():
 
 
 def test_dry_grains_carry_all_of_the_pressure():
-    _, state = moved(layer(strength=DRY), until=0.02)
+    _, state = moved(layer(rheology=DRY), until=0.02)
     p = state.particles
     half_row = 0.5 * D0 * C * ROCK * G
     np.testing.assert_allclose(
@@ -180,7 +180,7 @@ def test_a_fall_with_a_strength_law_gains_the_momentum_of_gravity():
         size=(0.52, 0.52, 0.6),
         particles={"spacing": D0},
         fill=[block | {"material": "mixture"}],
-        strength={"type": "bingham", "yield_stress": 100.0},
+        rheology={"type": "bingham", "yield_stress": 100.0},
     )
     scheme, state = started(case)
     p = state.particles
@@ -199,7 +199,7 @@ def test_a_slurry_without_gravity_comes_to_rest_in_itself():
         gravity={"acceleration": 0.0},
         particles={"spacing": D0},
         fill=[block | {"material": "mixture", "velocity": [1.0, 0.0, 0.0]}],
-        strength={"type": "bingham", "yield_stress": 100.0},
+        rheology={"type": "bingham", "yield_stress": 100.0},
         scheme={"sound_speed": 10.0},
     )
     scheme, state = started(case)
@@ -219,7 +219,7 @@ def test_a_resumed_run_with_a_strength_law_repeats_the_bits(tmp_path, ends, inte
         size=(0.4, 0.08, 0.2),
         particles={"spacing": D0},
         fill=[block | {"material": "mixture"}, water],
-        strength=COULOMB | {"friction_angle": 20.0, "mixing_length": 0.005},
+        rheology=COULOMB | {"friction_angle": 20.0, "mixing_length": 0.005},
         collision_stress={"enabled": True},
         time={"end": 0.05},
         output={"interval": 0.025},

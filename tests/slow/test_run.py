@@ -30,7 +30,7 @@ def test_a_particle_that_skims_a_step_keeps_its_velocity():
         "fill": [block | {"velocity": (1.0, 0.0)}],
         "inflow": None,
         "water": {"viscosity": 0.0},
-        "strength": {},
+        "rheology": {},
         "drag": {},
         "collision_stress": {},
     }

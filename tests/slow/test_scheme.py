@@ -107,8 +107,8 @@ def test_forces_before_the_projection_add_up(rng):
 
 
 def dropped(rng, **tables):
-    """Return scheme and state of a mix in the middle of a tall tank, with random velocities."""
-    scheme, state = started(tank_case(12, 12, "mix", (40, 120), **tables))
+    """Return scheme and state of two phases amid a tall tank, with random velocities."""
+    scheme, state = started(tank_case(12, 12, "two-phase", (40, 120), **tables))
     p = state.particles
     p.position[p.fluid, :2] += [0.14, 0.90]
     p.velocity[p.fluid, :2] = rng.uniform(-0.05, 0.05, (p.fluid_count, 2))
@@ -153,7 +153,7 @@ def test_a_free_drop_gains_the_momentum_of_gravity_alone(rng, tables):
     [
         {"drag": {"law": "gidaspow"}},
         {"drag": {"law": "wen-yu"}, "collision_stress": {"enabled": True}},
-        {"strength": {"type": "coulomb"}},
+        {"rheology": {"type": "coulomb"}},
     ],
     ids=["drag", "drag-and-collision-stress", "strength"],
 )
@@ -170,7 +170,7 @@ def test_a_free_drop_with_drag_or_strength_gains_the_momentum_of_gravity_alone(r
 def passing_phases(law, c=0.3, speed=0.2):
     """Return scheme and state of a closed box without gravity whose phases pass each other."""
     walls = {name: {"slip": "free-slip"} for name in ("floor", "ceiling")}
-    case = tank_case(20, 20, "mix", (20, 20), drag={"law": law}, walls=walls)
+    case = tank_case(20, 20, "two-phase", (20, 20), drag={"law": law}, walls=walls)
     plain = case.model_dump() | {"gravity": {"acceleration": 0.0}, "output": {"interval": 0.01}}
     plain["geometry"] |= {"periodic": True, "ceiling": True}
     plain["fill"][0]["sediment_share"] = c
@@ -202,7 +202,7 @@ def test_drag_brings_phases_that_pass_each_other_to_a_common_velocity():
             exact, time = exact - dt * rate * exact, time + dt
         p = state.particles
         carried = p.relative_velocity[p.fluid, 0].mean()
-        # C varies from place to place in a mix, and K with it
+        # C varies from place to place among two phases, and K with it
         assert carried == pytest.approx(exact, rel=0.10)
         # the velocities of the particles follow but for their collisions
         assert slip_of(p) == pytest.approx(exact, abs=0.1 * start)
@@ -376,7 +376,7 @@ operators.number_density(near, no_solid(), np.empty(64))
 STEPS = "advance(*started(bed_case()), steps=2)\n"
 EXPLICIT_STEPS = """
 block = {"type": "block", "x": [0.0, 0.4], "y": [0.0, 0.4], "z": [0.0, 0.4], "material": "mixture"}
-tables = {"collision_stress": {"enabled": True}, "strength": {"type": "coulomb"}}
+tables = {"collision_stress": {"enabled": True}, "rheology": {"type": "coulomb"}}
 advance(*started(tank3d_case(fill=[block], **tables)), steps=2)
 """
 

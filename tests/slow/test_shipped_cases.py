@@ -35,7 +35,7 @@ ARRAYS = {
 @pytest.mark.parametrize("name", NAMES)
 def test_a_shipped_case_runs_and_writes_everything(name, tmp_path):
     step = load_case(CASES / f"{name}.toml").time.largest_step
-    short = (f"time.end={10 * step}", f"output.interval={5 * step}", "time.relaxation=0.0")
+    short = (f"time.end={10 * step}", f"output.interval={5 * step}", "time.settling=0.0")
     case = load_case(CASES / f"{name}.toml", short)
     folder = tmp_path / name
     summary = simulate(case, folder, threads=1)

@@ -12,7 +12,7 @@ ANGLE = np.radians(SLOPE)
 RIGID = {"type": "bingham", "yield_stress": 1e5, "concentration_ramp": (0.1, 0.2)}
 
 
-def layer(rows, friction, strength=RIGID, slope=SLOPE):
+def layer(rows, friction, rheology=RIGID, slope=SLOPE):
     """Return a case: a layer of mixture that repeats along a slope, between free-slip sides."""
     side = ACROSS * D0
     block = {"x": (0.0, side), "y": (0.0, side), "z": (0.0, rows * D0)}
@@ -27,7 +27,7 @@ def layer(rows, friction, strength=RIGID, slope=SLOPE):
             walls={"floor": {"friction": friction}, "front": free, "back": free},
             fill=[{"type": "block", "material": "mixture", **block}],
             mixture={"concentration": 0.5},
-            strength=strength,
+            rheology=rheology,
             scheme={"type": "explicit", "sound_speed": 15.0},
             time={"end": 1.0},
             output={"interval": 1.0},
@@ -90,6 +90,6 @@ def test_the_laws_of_a_column_slow_it_by_its_mean(rows, friction, law):
 
 
 def test_a_sheet_on_a_frictionless_slope_gains_what_gravity_gives():
-    case = layer(4, {"law": "none"}, strength={"type": "none"})
+    case = layer(4, {"law": "none"}, rheology={"type": "none"})
     found, _, _ = acceleration(case, 0.0, 0.2)
     assert found == pytest.approx(G * np.sin(ANGLE), rel=0.002)

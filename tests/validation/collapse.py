@@ -1,4 +1,4 @@
-"""Collapse of a mixed column (A2): the same mix with and without the stress of colliding grains."""
+"""Collapse of a mixed column (A2): the same seeding with and without the collision stress."""
 
 from __future__ import annotations
 
@@ -89,4 +89,4 @@ def layering(case: tables.Case, state: State) -> float:
     """Return the layering of :class:`Collapse`."""
     sediment, water = centers(state)
     area = state.particles.fluid_count * case.particles.spacing**2
-    return float((water[1] - sediment[1]) / (0.5 * area / case.geometry.width))
+    return float((water[1] - sediment[1]) / (0.5 * area / case.geometry.length))

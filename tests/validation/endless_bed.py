@@ -57,7 +57,7 @@ def start(
 ) -> tuple[SemiImplicit, State]:
     """Return scheme and state of a bed, with water over it, that repeats every 20 spacings."""
     top = rows * spacing
-    layers = [{"y": [0.0, top], "material": "mix", "sediment_share": 0.55}]
+    layers = [{"y": [0.0, top], "material": "two-phase", "sediment_share": 0.55}]
     if water_rows:
         layers.append({"y": [top, top + water_rows * spacing], "material": "water"})
     case = endless_channel(
@@ -65,7 +65,7 @@ def start(
         slope,
         layers,
         drag={"law": "gidaspow"},
-        strength={"type": "coulomb", "friction_angle": friction_angle, "mixing_length": 0.006},
+        rheology={"type": "coulomb", "friction_angle": friction_angle, "mixing_length": 0.006},
     )
     return scheme(case), initial_state(case)
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from debrisflow.case import Case, tables
 from debrisflow.case.defaults import complete
 from debrisflow.case.materials import Mixture, Sediment, Water, bulk_density
-from debrisflow.case.strength import Bingham, HerschelBulkley, NoStrength
+from debrisflow.case.rheology import Bingham, HerschelBulkley, NoStrength
 from tests.validation.marching import states
 
 Floats = NDArray[np.float64]
@@ -59,19 +59,19 @@ class Film:
 
 def bingham(share: float) -> dict[str, dict[str, object]]:
     """Return the tables of a Bingham slurry whose yield stress is a share of the bed stress."""
-    strength = {"type": "bingham", "yield_stress": share * PULL * DEPTH}
-    return {"strength": strength, "mixture": {"viscosity": VISCOSITY}}
+    rheology = {"type": "bingham", "yield_stress": share * PULL * DEPTH}
+    return {"rheology": rheology, "mixture": {"viscosity": VISCOSITY}}
 
 
 def herschel_bulkley(share: float) -> dict[str, dict[str, object]]:
     """Return the tables of a Herschel-Bulkley slurry, as :func:`bingham`; it thins in shear."""
-    strength = {
+    rheology = {
         "type": "herschel-bulkley",
         "yield_stress": share * PULL * DEPTH,
         "consistency": CONSISTENCY,
         "exponent": EXPONENT,
     }
-    return {"strength": strength, "mixture": {"viscosity": 0.0}}
+    return {"rheology": rheology, "mixture": {"viscosity": 0.0}}
 
 
 def build(slurry: dict[str, dict[str, object]], rows: int, end: float) -> tables.Case:
@@ -102,7 +102,7 @@ def build(slurry: dict[str, dict[str, object]], rows: int, end: float) -> tables
 
 
 def closed_form(
-    strength: Bingham | HerschelBulkley, viscosity: float, z: Floats
+    rheology: Bingham | HerschelBulkley, viscosity: float, z: Floats
 ) -> tuple[Floats, float]:
     """Return the speed at heights z and that of the plug, m/s.
 
@@ -113,10 +113,10 @@ def closed_form(
     """
     n, consistency = (
         (1.0, viscosity)
-        if isinstance(strength, Bingham)
-        else (strength.exponent, strength.consistency)
+        if isinstance(rheology, Bingham)
+        else (rheology.exponent, rheology.consistency)
     )
-    plug = DEPTH - strength.yield_stress / PULL
+    plug = DEPTH - rheology.yield_stress / PULL
     power = 1.0 + 1.0 / n
     scale = (PULL / consistency) ** (1.0 / n) / power
     return scale * (plug**power - np.maximum(plug - z, 0.0) ** power), scale * plug**power
@@ -136,8 +136,8 @@ def run(slurry: dict[str, dict[str, object]], rows: int = 20, end: float = 2.5) 
         height += np.bincount(row, z, minlength=rows)
         speed += np.bincount(row, p.velocity[p.fluid, 0], minlength=rows)
     z = height / count
-    assert isinstance(case.strength, Bingham | HerschelBulkley)
-    exact, surface = closed_form(case.strength, case.mixture.viscosity, z)
+    assert isinstance(case.rheology, Bingham | HerschelBulkley)
+    exact, surface = closed_form(case.rheology, case.mixture.viscosity, z)
     return Film(z, speed / count, exact, surface)
 
 

@@ -31,7 +31,7 @@ REFERENCE = Path(__file__).parent / "reference"
 def layer(rows: int, slope: float | None, wall_speed: float, temperature: str) -> tables.Case:
     """Return a periodic layer of grains: a film on a slope, or closed and without gravity."""
     spacing = HEIGHT / rows
-    width = 14 * spacing
+    length = 14 * spacing
     closed = slope is None
     return complete(
         tables.Case(
@@ -42,13 +42,13 @@ def layer(rows: int, slope: float | None, wall_speed: float, temperature: str) -
             else tables.Gravity(slope=slope),
             geometry=shapes.Tank(
                 type="tank",
-                width=width,
+                length=length,
                 height=HEIGHT if closed else 1.5 * HEIGHT,
                 ceiling=closed,
                 periodic=True,
             ),
             fill=(
-                tables.Block(type="block", x=(0.0, width), y=(0.0, HEIGHT), material="sediment"),
+                tables.Block(type="block", x=(0.0, length), y=(0.0, HEIGHT), material="sediment"),
             ),
             water=tables.Water(viscosity=0.0),
             sediment=tables.Sediment(

@@ -180,7 +180,7 @@ def run(
     changes: tuple[str, ...] = (),
 ) -> Heap:
     """Let a column collapse."""
-    case = build(ratio, across, end, (f"strength.friction_angle={angle!r}", *changes))
+    case = build(ratio, across, end, (f"rheology.friction_angle={angle!r}", *changes))
     lattice = reference(3, case.particles.effective_radius, case.particles.spacing)
     frames: dict[float, Floats] = {}
     series = []

@@ -94,7 +94,7 @@ def build(spacing: float, end: float = 1.4) -> tables.Case:
         Case(
             title="dam break against a wall",
             particles={"spacing": spacing},
-            geometry={"type": "tank", "width": LENGTH, "height": 2.0},
+            geometry={"type": "tank", "length": LENGTH, "height": 2.0},
             fill=[block],
             walls={"floor": {"roughness": 3.0e-4}},
             probe=[probe | {"interval": INTERVAL} for probe in (*levels, gauge)],

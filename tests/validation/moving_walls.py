@@ -39,7 +39,7 @@ def _case(
         Case(
             title="moving walls",
             particles={"spacing": spacing},
-            geometry={"type": "tank", "width": length, "height": height},
+            geometry={"type": "tank", "length": length, "height": height},
             fill=[block],
             walls=dict.fromkeys(("floor", "left", "right"), smooth),
             time={"end": end},

@@ -61,7 +61,7 @@ def run(dimension: int, rows: int = 8) -> Jet:
     """Return what the plate felt, in two or three dimensions, the jet so many rows thick."""
     spacing, width = THICKNESS / rows, 4.0 * THICKNESS / rows
     up, flat = "yz"[dimension - 2], dimension == 2
-    tank = {"type": "tank", "width": LENGTH} if flat else {"type": "tank3d", "length": LENGTH}
+    tank = {"type": "tank", "length": LENGTH} if flat else {"type": "tank3d", "length": LENGTH}
     across = {} if flat else {"y": (0.0, width)}
     slug = {"type": "block", "material": "water", "x": (0.0, LENGTH), up: (0.0, THICKNESS)}
     names = ["floor", "left", "right"] + ([] if flat else ["front", "back"])

@@ -43,10 +43,10 @@ def build(
     dimension: int, rows: int, depth: float, roughness: float, mixing_length: float
 ) -> tables.Case:
     """Return the case of a film, periodic along x, in three dimensions between smooth sides."""
-    spacing, strength = depth / rows, {"type": "coulomb", "mixing_length": mixing_length}
+    spacing, rheology = depth / rows, {"type": "coulomb", "mixing_length": mixing_length}
     if dimension == 2:
         layer, floor = {"y": [0.0, depth], "material": "water"}, {"roughness": roughness}
-        return endless_channel(spacing, SLOPE, [layer], walls={"floor": floor}, strength=strength)
+        return endless_channel(spacing, SLOPE, [layer], walls={"floor": floor}, rheology=rheology)
     size = {"length": 12.0 * spacing, "width": 8.0 * spacing}
     block = {"x": (0.0, size["length"]), "y": (0.0, size["width"]), "z": (0.0, depth)}
     smooth = {"slip": "free-slip"}
@@ -59,7 +59,7 @@ def build(
             geometry={"type": "channel3d", "periodic": True, "height": 4.0 * depth, **size},
             walls={"floor": floor, "front": smooth, "back": smooth},
             fill=[{"type": "block", "material": "water", **block}],
-            strength=strength,
+            rheology=rheology,
             scheme={"type": "explicit", "courant": 1.2, "sound_speed": 15.0},
             time={"end": STEADY[-1]},
             output={"interval": STEADY[-1]},

@@ -18,7 +18,7 @@ STATIC, DYNAMIC, INERTIA_NUMBER, DIAMETER = 8.0, 45.0, 0.279, 5.0e-3
 SLOPES = {"bingham": 10.0, "herschel-bulkley": 10.0, "mu-i": 20.0}
 
 
-def strength(law: str) -> dict[str, object]:
+def rheology(law: str) -> dict[str, object]:
     """Return the tables of a film."""
     mixture = {"concentration": CONCENTRATION, "viscosity": 0.0}
     table: dict[str, object] = {"type": law}
@@ -31,7 +31,7 @@ def strength(law: str) -> dict[str, object]:
     elif law == "herschel-bulkley":
         table |= {"consistency": CONSISTENCY, "exponent": EXPONENT}
     sediment = {"density": ROCK, "grain_diameter": DIAMETER}
-    return {"mixture": mixture, "sediment": sediment, "strength": table}
+    return {"mixture": mixture, "sediment": sediment, "rheology": table}
 
 
 def profile(law: str, y: Floats) -> Floats:
@@ -66,7 +66,7 @@ def errors(law: str, end: float) -> Floats:
     that the mean is over a half of the time.
     """
     layer = {"y": [0.0, DEPTH], "material": "mixture"}
-    case = endless_channel(DEPTH / ROWS, SLOPES[law], [layer], **strength(law))
+    case = endless_channel(DEPTH / ROWS, SLOPES[law], [layer], **rheology(law))
     scheme, state = SemiImplicit(case), initial_state(case)
     p = state.particles
     p.velocity[p.fluid, 0] = profile(law, p.position[p.fluid, 1])
@@ -83,7 +83,7 @@ def errors(law: str, end: float) -> Floats:
 def creep(law: str, slope: float) -> float:
     """Return how far a layer moves in 2 s where its strength should hold it, in spacings."""
     layer = {"y": [0.0, DEPTH], "material": "mixture"}
-    case = endless_channel(DEPTH / ROWS, slope, [layer], **strength(law))
+    case = endless_channel(DEPTH / ROWS, slope, [layer], **rheology(law))
     scheme, state = SemiImplicit(case), initial_state(case)
     p = state.particles
     moved = 0.0

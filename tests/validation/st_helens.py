@@ -125,7 +125,7 @@ def build(spacing: float, end: float, depth: Floats, top: float, width: float) -
             fill=[block | {"material": "mixture"}],
             sediment={"density": 2700.0},
             mixture={"concentration": 0.59, "viscosity": 1.0},
-            strength={
+            rheology={
                 "type": "coulomb",
                 "friction_angle": INSIDE,
                 "saturated": True,

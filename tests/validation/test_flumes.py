@@ -113,6 +113,6 @@ def test_a_debris_flow_comes_to_rest_behind_a_bend_of_its_flume():
     assert found.moved.mean() < 0.1
     assert found.on_runout > 0.1
     # thicker than the two rows of a film, and thinning downstream; no steeper than a bed can be.
-    # The last digits of a processor choose among deposits of 26 to 38 mm, as other mixes do.
+    # The last digits of a processor choose among deposits of 26 to 38 mm, as other seedings do.
     assert found.depth > 0.02
     assert 4.0 < found.slope < 18.4

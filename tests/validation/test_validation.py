@@ -115,7 +115,7 @@ def test_the_balance_of_temperature_holds_in_discrete_elements():
 
 @pytest.mark.parametrize("c", [0.1, 0.2, 0.3])
 def test_grains_settle_as_richardson_and_zaki_and_come_to_rest(c):
-    # two mixes, since one differs from another by 10 %
+    # two seedings, since one differs from another by 10 %
     columns = [settling.run(c, seed) for seed in (1, 2)]
     speed = np.mean([column.speed for column in columns])
     assert speed == pytest.approx(settling.richardson_zaki(c), rel=0.20)
@@ -130,7 +130,7 @@ def test_grains_settle_as_richardson_and_zaki_and_come_to_rest(c):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_collisions_hold_the_sediment_back_at_half_the_spacing_too(seed):
-    # all four mixes, and 2 s: scripts/validate.py collapse
+    # all four seedings, and 2 s: scripts/validate.py collapse
     stressed, free = (
         collapse.run(with_stress, seed, ("particles.spacing=0.005",), collapse.LAG_TIME)
         for with_stress in (True, False)

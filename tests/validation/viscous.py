@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
-from debrisflow.case.strength import Coulomb
+from debrisflow.case.rheology import Coulomb
 from debrisflow.particles.state import initial_state
 from debrisflow.schemes.semi_implicit import SemiImplicit
 
@@ -40,7 +40,7 @@ def channel(
 ) -> tables.Case:
     """Return a channel of 1 mm, periodic along x, with ``rows`` of particles across."""
     spacing = LENGTH / rows
-    width = 16 * spacing
+    length = 16 * spacing
     return complete(
         tables.Case(
             title="viscous",
@@ -48,12 +48,12 @@ def channel(
             gravity=tables.Gravity(vector=body_force),
             geometry=shapes.Tank(
                 type="tank",
-                width=width,
+                length=length,
                 height=LENGTH if closed else 2.0 * LENGTH,
                 ceiling=closed,
                 periodic=True,
             ),
-            fill=(tables.Block(type="block", x=(0.0, width), y=(0.0, LENGTH), material="water"),),
+            fill=(tables.Block(type="block", x=(0.0, length), y=(0.0, LENGTH), material="water"),),
             water=tables.Water(viscosity=1000.0 * VISCOSITY),
             walls=tables.Walls(ceiling=tables.Wall(velocity=(wall_speed, 0.0))),
             time=tables.Time(end=2.0),
@@ -78,7 +78,7 @@ def error(
         force = 2.0 * VISCOSITY * speed / LENGTH**2
         case = channel(rows, (force, -force), False, 0.0)
     if implicit:
-        case = case.model_copy(update={"strength": Coulomb(type="coulomb")})
+        case = case.model_copy(update={"rheology": Coulomb(type="coulomb")})
     exact = {"poiseuille": poiseuille, "couette": couette, "film": film}[flow]
     scheme, state = SemiImplicit(case), initial_state(case)
     p, worst = state.particles, 0.0

@@ -26,7 +26,7 @@ class Eddies(Term):
     name = "eddies"
 
     def __init__(self, case: ResolvedCase, has_ground: bool = False) -> None:
-        self._case, self._length = case, case.strength.mixing_length
+        self._case, self._length = case, case.rheology.mixing_length
         self._has_ground = has_ground
 
     def observe(self, scene: Scene) -> None:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.materials import pore_density
-from debrisflow.case.strength import FrictionalStrength
+from debrisflow.case.rheology import FrictionalStrength
 from debrisflow.physics.grain_pressure import carried_depths, couple_grains
 from debrisflow.schemes.pair_solver import couplings_of, solve_pairs
 from debrisflow.schemes.terms.term import Scene, Step, Term
@@ -27,17 +27,17 @@ class GrainPressure(Term):
     Parameters
     ----------
     case : ResolvedCase
-    strength : FrictionalStrength
+    rheology : FrictionalStrength
     gravity : (3,) float64 array, m/s2
     """
 
     name = "grain pressure"
 
-    def __init__(self, case: ResolvedCase, strength: FrictionalStrength, gravity: Floats) -> None:
+    def __init__(self, case: ResolvedCase, rheology: FrictionalStrength, gravity: Floats) -> None:
         self._case, self._gravity = case, gravity
         self._g = float(np.linalg.norm(gravity))
-        self._least = WEIGHING * strength.concentration_ramp[0]
-        self._submerged = case.sediment.density - pore_density(case.water, strength)
+        self._least = WEIGHING * rheology.concentration_ramp[0]
+        self._submerged = case.sediment.density - pore_density(case.water, rheology)
 
     def act(self, step: Step) -> None:
         """Write the pressure between the grains of fluid and supply."""
@@ -73,5 +73,5 @@ class SharedPressure(GrainPressure):
 
 def grain_weight(scene: Scene, case: ResolvedCase, g: float) -> Floats:
     """Return the weight that the grains carry, N/m3: that less buoyancy, where water is."""
-    pores = pore_density(case.water, case.strength)
+    pores = pore_density(case.water, case.rheology)
     return np.asarray(scene.level * (case.sediment.density - pores) * g)

@@ -1,4 +1,4 @@
-"""The slip of a mix of sediment and water particles."""
+"""The slip between sediment and water particles."""
 
 from __future__ import annotations
 

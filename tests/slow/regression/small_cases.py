@@ -35,7 +35,7 @@ SMALL_CASES = {
         "output.interval=0.4",
     ),
     "bed_erosion2d": (
-        "time.relaxation=0.2",
+        "time.settling=0.2",
         "time.end=0.4",
         "output.history_interval=0.05",
         "output.interval=0.4",

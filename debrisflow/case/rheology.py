@@ -1,4 +1,4 @@
-"""The tables of strength, one for each law, chosen by ``type``.
+"""The tables of rheology, one for each law, chosen by ``type``.
 
 A law is its table here and its record and formulas in ``debrisflow/physics/rheology/NAME.py``,
 where NAME is the type with ``_`` for ``-``.  What that file calls ``law`` makes the record; its
@@ -14,11 +14,8 @@ from pydantic import BeforeValidator, Field
 
 from debrisflow.case.fields import NONE, Interval, Table, quantity
 
-FORMER_NAMES = {"law": "type"}
-"""Keys as they were called in former case files, which still load."""
 
-
-class Strength(Table):
+class Rheology(Table):
     """What every law has: the turbulence beside it."""
 
     type: str
@@ -39,13 +36,13 @@ class Strength(Table):
         return self.type
 
 
-class NoStrength(Strength):
+class NoStrength(Rheology):
     """No strength: what flows resists by the viscosity of its phase alone, without turbulence."""
 
     type: Literal["none"] = "none"
 
 
-class YieldingStrength(Strength):
+class YieldingStrength(Rheology):
     """A strength, on top of the viscosity of the phase."""
 
     smallest_shear_rate: float = quantity(
@@ -127,7 +124,7 @@ class MuI(FrictionalStrength):
     def contradictions(self) -> Iterator[tuple[str, str]]:
         """Yield the friction of fast shear where it is not the greater one."""
         if self.dynamic_friction_angle <= self.friction_angle:
-            message = f"must be greater than strength.friction_angle = {self.friction_angle:g}"
+            message = f"must be greater than rheology.friction_angle = {self.friction_angle:g}"
             yield "dynamic_friction_angle", message
 
 
@@ -167,7 +164,7 @@ class OBrienJulien(SlurryStrength):
 
 
 AnyTable = NoStrength | Coulomb | MuI | Bingham | HerschelBulkley | OBrienJulien
-LAWS: tuple[type[Strength], ...] = get_args(AnyTable)
+LAWS: tuple[type[Rheology], ...] = get_args(AnyTable)
 
 
 def owners(name: str) -> tuple[str, ...]:
@@ -181,12 +178,12 @@ def owners(name: str) -> tuple[str, ...]:
     return tuple(_type_of(table) for table in LAWS if name in table.model_fields)
 
 
-def _type_of(table: type[Strength]) -> str:
+def _type_of(table: type[Rheology]) -> str:
     return str(get_args(table.model_fields["type"].annotation)[0])
 
 
 def _as_now(data: Any) -> Any:
-    """Return a table as it is written now: its law called ``type``, without fields of other laws.
+    """Return a table as it is written now, without fields of other laws.
 
     A table with fields but no law is left as it is, and refused: its numbers would mean nothing.
     Former files state the fields of all laws.  A field of another law is left out where it has its
@@ -195,7 +192,7 @@ def _as_now(data: Any) -> Any:
     """
     if not isinstance(data, dict):
         return data
-    data = renamed(data) or {"type": "none"}
+    data = dict(data) or {"type": "none"}
     own = {_type_of(table): table for table in LAWS}.get(str(data.get("type")))
     if own is None:
         return data
@@ -210,19 +207,4 @@ def _as_now(data: Any) -> Any:
     return data
 
 
-def renamed(data: dict[str, Any]) -> dict[str, Any]:
-    """Return a table of strength with former names replaced, unless both are given.
-
-    Examples
-    --------
-    >>> renamed({"law": "coulomb", "friction_angle": 30.0})
-    {'friction_angle': 30.0, 'type': 'coulomb'}
-    """
-    data = dict(data)
-    for former, name in FORMER_NAMES.items():
-        if former in data and name not in data:
-            data[name] = data.pop(former)
-    return data
-
-
-AnyStrength = Annotated[Annotated[AnyTable, Field(discriminator="type")], BeforeValidator(_as_now)]
+AnyRheology = Annotated[Annotated[AnyTable, Field(discriminator="type")], BeforeValidator(_as_now)]
