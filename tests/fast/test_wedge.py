@@ -23,7 +23,7 @@ def case(**tables):
         Case(
             title="wedge",
             particles={"spacing": D0},
-            geometry={"type": "tank", "width": 4.0, "height": 1.0},
+            geometry={"type": "tank", "length": 4.0, "height": 1.0},
             walls={"floor": {"slip": "free-slip"}},
             fill=[film | {"velocity": [3.0, 0.0]}],
             obstacle=[{"type": "polygon", "name": "sill", "corners": corners, "slip": "free-slip"}],
