@@ -23,6 +23,7 @@ from typing import Any
 import numba
 from llvmlite.binding import set_option
 from numba.core import event
+from numba.core.codegen import JITCodeLibrary
 
 PACKAGE = Path(__file__).parent
 _IMPORTS = re.compile(
@@ -169,6 +170,31 @@ event.register("numba:compile", COMPILATIONS)
 # and for others, which round differently; a look at the addresses, which are never the same twice,
 # decides.  So loops that need that look are not vectorized, and the bits are the same on every run.
 set_option("debrisflow", "-vectorize-memory-check-threshold=0")
+
+
+def _with_own_bodies(optimize: Callable[[Any], None]) -> Callable[[Any], None]:
+    """Return the step that optimizes a library of machine code, whose loops are then its own.
+
+    Numba compiles the body of a parallel loop by itself, and again within the function that it
+    belongs to, where it may round differently.  Both have one name, and the process that compiles
+    runs the first, those that read the cache the second: a run would not have the bits of the same
+    run resumed.  If nothing outside refers to the second, its function runs it always.
+    """
+
+    def optimized(library: Any) -> None:
+        if not library.name.startswith(BODIES):
+            for function in library._final_module.functions:
+                if BODY in function.name and not function.is_declaration:
+                    function.linkage = "internal"
+        optimize(library)
+
+    return optimized
+
+
+# names that Numba gives to the body of a loop, and to the libraries that hold it alone
+BODY = "gufunc"
+BODIES = ("__numba_parfor_gufunc", "<numba.np.ufunc.wrappers", "parallelgufuncwrapper")
+JITCodeLibrary._optimize_final_module = _with_own_bodies(JITCodeLibrary._optimize_final_module)
 
 # Sums may be reassociated, the same way on every run; NaN stays detectable by comparisons, not by
 # np.isfinite, which these flags make true.
