@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from debrisflow.case.motion import Motion
+from debrisflow.results.pictures.panels import plan_obstacles
 from debrisflow.space.trajectory import Trajectory
 from tests.building import tank3d_case, tank_case
 
@@ -35,6 +36,17 @@ def test_a_drawn_gate_waits_moves_and_is_gone(dimension):
     height = CASES[dimension].geometry.height
     assert later.moved(CORNERS[dimension])[:, dimension - 1].min() > height
     assert way.speed(50.0) == 0.0
+
+
+def test_a_gate_that_has_been_drawn_is_not_seen_from_above():
+    gate = {"type": "box", "name": "gate", "x": (0.4, 0.5), "y": (0.0, 0.6), "z": (0.0, 0.6)}
+    pier = gate | {"name": "pier", "x": (0.6, 0.7), "z": (0.0, 0.3)}
+    drawn = gate | {"motion": {"velocity": (0.0, 0.0, 2.0)}}
+    case = tank3d_case(z=(0.0, 0.3), obstacle=[drawn, pier])
+    gone = 0.5 * case.geometry.height + 0.01  # s
+    before, after = (plan_obstacles(case, time) for time in (0.0, gone))
+    assert {face[:, 0].min().round(6) for face in before} >= {0.4, 0.6}
+    assert min(face[:, 0].min() for face in after) == pytest.approx(0.6)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -287,9 +287,10 @@ class PlanPanels:
     def _draw_surroundings(self, axes: Axes, time: float) -> None:
         for (x0, y0), (x1, y1) in plan_outlines(self.case):
             axes.plot([x0, x1], [y0, y1], color=LINE, linewidth=0.9)
-        faces = [face[:, :2] for body in obstacle_faces(self.case, time) for face in body]
         axes.add_collection(
-            PolyCollection(faces, facecolors=SOLID, edgecolors=SOLID, linewidths=0.3)
+            PolyCollection(
+                plan_obstacles(self.case, time), facecolors=SOLID, edgecolors=SOLID, linewidths=0.3
+            )
         )
 
     def close(self) -> None:
@@ -330,6 +331,16 @@ def plan_outlines(case: ResolvedCase) -> list[tuple[tuple[float, float], tuple[f
         front, back = edges_across(case, x)
         lines.append(((x, front), (x, back)))
     return lines + [((x, y0), (x, y1)) for x, y0, y1 in head_walls(case)]
+
+
+def plan_obstacles(case: ResolvedCase, time: float) -> list[Floats]:
+    """Return the faces of obstacles as seen from above at a time, s, (n, 2) arrays, m.
+
+    What is over the side walls, as a gate that has been drawn, is left out.
+    """
+    top = case.geometry.height
+    bodies = [body for body in obstacle_faces(case, time) if body[..., 2].min() < top]
+    return [face[:, :2] for body in bodies for face in body]
 
 
 class PerspectivePanels:

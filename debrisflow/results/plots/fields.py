@@ -16,6 +16,8 @@ from debrisflow.run.tables import Table
 Floats = NDArray[np.float64]
 MOST_PROBES = 8
 HEIGHT = 2.0  # inch
+WIDEST = 2.4  # inch, of the picture of a grid
+BESIDE = 0.75  # inch, for title and ticks of a panel
 ARROWS = 24  # along the longer side of a grid
 DRY = "#eeeeee"
 
@@ -53,9 +55,13 @@ def grid_figure(run: Run) -> Figure | None:
     shown = [(name, table) for name, table in tables.items() if table["time"].size][:MOST_PROBES]
     if not shown:
         return None
-    figure, axes = panels(len(shown), 2, height=HEIGHT)
-    for (name, table), pair in zip(shown, zip(axes[::2], axes[1::2], strict=True), strict=True):
-        (along, across), where, velocity, pressure = _plane(table)
+    planes = [(name, table, *_plane(table)) for name, table in shown]
+    heights = [_height(table[along], table[up]) for _, table, (along, up), *_ in planes]
+    figure, axes = panels(len(shown), 2, height=heights)
+    pairs = zip(axes[::2], axes[1::2], strict=True)
+    for (name, table, (along, across), where, velocity, pressure), pair in zip(
+        planes, pairs, strict=True
+    ):
         fields = {"speed, m/s": np.linalg.norm(velocity, axis=-1), "pressure, Pa": pressure}
         for one, (label, values) in zip(pair, fields.items(), strict=True):
             _draw(one, table[along], table[across], values.T, label)
@@ -64,6 +70,12 @@ def grid_figure(run: Run) -> Figure | None:
         _arrows(pair[0], table[along], table[across], velocity[..., components])
         pair[0].set_title(f"{name}{where}, t = {table['time'][-1]:g} s", loc="left")
     return figure
+
+
+def _height(along: Floats, across: Floats) -> float:
+    """Return the height of a panel, inch, for a grid in true proportions."""
+    share = float(np.ptp(across)) / max(float(np.ptp(along)), 1e-300)
+    return BESIDE + min(WIDEST * share, HEIGHT)
 
 
 def _plane(table: Table) -> tuple[tuple[str, str], str, Floats, Floats]:
