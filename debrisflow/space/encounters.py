@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import MeshObstacle, PolygonObstacle
 from debrisflow.case.built import walls_along
-from debrisflow.space.domain import WALL_NAMES, domain
-from debrisflow.space.scene import obstacle_faces, trajectories
+from debrisflow.space.domain import domain
 
 Floats = NDArray[np.float64]
 LOOKS = 200  # at the obstacles during a run
@@ -44,12 +43,12 @@ def encounters(case: ResolvedCase) -> list[str]:
 
     Meshes are followed against the walls only, since their hulls may share what they do not.
     """
-    ways = trajectories(case)
-    if not ways:
+    moving = {k for k, body in enumerate(case.obstacle) if body.motion is not None}
+    if not moving:
         return []
     found: dict[tuple[str, str], float] = {}
     for time in np.linspace(0.0, case.time.end, LOOKS + 1):
-        for pair in _at(case, float(time), {number - len(WALL_NAMES) for number in ways}):
+        for pair in _at(case, float(time), moving):
             found.setdefault(pair, float(time))
     return [
         f"obstacle.{one}: runs into {other} at t = {time:.3g} s; {SHARED}"
@@ -59,6 +58,9 @@ def encounters(case: ResolvedCase) -> list[str]:
 
 def _at(case: ResolvedCase, time: float, moving: set[int]) -> Iterator[tuple[str, str]]:
     """Yield the name of a moving obstacle and what it is in at a time, s."""
+    # here, so that the check of a case in which nothing moves needs no SciPy
+    from debrisflow.space.scene import obstacle_faces
+
     bodies = [
         _outline(faces, case, isinstance(part, PolygonObstacle))
         for part, faces in zip(case.obstacle, obstacle_faces(case, time), strict=True)
