@@ -46,7 +46,7 @@ def _motion() -> Any:
     return quantity(
         NONE,
         "how it moves; a table, or a CSV file beside the case with the columns time and any of "
-        "x, y, z, angle; it stands still if left out",
+        "x, y, z; it stands still if left out",
         None,
     )
 

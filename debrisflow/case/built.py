@@ -22,6 +22,7 @@ from debrisflow.case.tables import Inflow, Particles
 DIGITS = 12  # significant ones of a length that is built, so that it reads as people write it
 LARGEST_MISFIT = 0.1  # of a length, between what is asked and what is built
 MUST_STAND = ("length", "width", "height", "bed_thickness", "weir_height")
+EXTENTS = ("x", "y", "z", "across")
 PLACES = ("bed_start", "bed_end", "runout_start")
 _Shape = TypeVar("_Shape", bound=Table)
 Planes = list[tuple[float, float]]  # along an axis, m: where walls are asked for, and built
@@ -36,17 +37,21 @@ class Rounded(NamedTuple):
     asked, built : float
     unit : str
         With a blank before it.
+    whole : float
+        Of which the difference is told as a share: of the ends of an extent its length, else what
+        is asked.
     """
 
     key: str
     asked: float
     built: float
     unit: str
+    whole: float
 
     def __str__(self) -> str:
         """Return a row of the table that a check prints."""
         asked, built = (f"{value:.6g}{self.unit}" for value in (self.asked, self.built))
-        share = (self.built - self.asked) / self.asked
+        share = (self.built - self.asked) / self.whole
         return f"{self.key:<22} {asked:>15} {built:>15} {share:>+11.1%}"
 
 
@@ -99,15 +104,17 @@ def roundings(case: ResolvedCase) -> list[Rounded]:
     ]
 
 
-def _differences(key: str, asked: Any, built: Any) -> Iterator[Rounded]:
+def _differences(key: str, asked: Any, built: Any, whole: float | None = None) -> Iterator[Rounded]:
     if isinstance(asked, Table):
         for name, value in asked:
-            yield from _differences(f"{key}.{name}", value, getattr(built, name))
+            length = value[1] - value[0] if name in EXTENTS and isinstance(value, tuple) else None
+            yield from _differences(f"{key}.{name}", value, getattr(built, name), length)
     elif isinstance(asked, tuple):
         for k, (one, other) in enumerate(zip(asked, built, strict=True)):
-            yield from _differences(f"{key}.{k}", one, other)
+            yield from _differences(f"{key}.{k}", one, other, whole)
     elif isinstance(asked, float) and abs(built - asked) > 1e-9 * abs(asked):
-        yield Rounded(key, asked, built, unit_of(locate(key.split(".")).field))
+        unit = unit_of(locate(key.split(".")).field)
+        yield Rounded(key, asked, built, unit, whole or asked)
 
 
 def on_lattice(length: float, spacing: float) -> float:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from math import hypot, isclose
 
 from debrisflow.case.built import LARGEST_MISFIT, enough
+from debrisflow.case.motion import Motion
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.tables import Block
 
@@ -77,6 +78,10 @@ def _times(case: ResolvedCase) -> Iterator[str]:
     for name, interval in named:
         if interval > end and not isclose(interval, end):
             yield f"{name} = {interval:g} s: longer than the run, time.end = {end:g} s"
+    for body in case.obstacle:
+        if isinstance(body.motion, Motion) and body.motion.start >= end:
+            start = f"obstacle.{body.name}.motion.start = {body.motion.start:g} s"
+            yield f"{start}: it never moves, since the run ends at {end:g} s"
 
 
 def rows_over_depths(case: ResolvedCase) -> dict[str, int]:

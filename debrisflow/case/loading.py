@@ -12,6 +12,7 @@ from typing import Any
 
 import tomli_w
 from pydantic import ValidationError, create_model
+from pydantic_core import ErrorDetails
 
 from debrisflow.case.checks import cross_check
 from debrisflow.case.defaults import complete
@@ -236,10 +237,22 @@ def _build(data: dict[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     try:
         return dict(Case.model_validate(data)), []
     except ValidationError as error:
-        errors = error.errors(include_url=False)
+        errors = _first_faults(error.errors(include_url=False))
     problems = [problem for item in errors if (problem := translate(item, data))]
     unknown = [locate(item["loc"]).keys for item in errors if item["type"] == "extra_forbidden"]
     return _buildable(_without(data, unknown)), problems
+
+
+def _first_faults(errors: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Return errors without lists that are short only because some of their numbers are wrong."""
+    places = [item["loc"] for item in errors]
+
+    def follows(item: ErrorDetails) -> bool:
+        place = item["loc"]
+        inside = (other for other in places if len(other) > len(place))
+        return item["type"] == "too_short" and any(o[: len(place)] == place for o in inside)
+
+    return [item for item in errors if not follows(item)]
 
 
 def _buildable(data: dict[str, Any]) -> dict[str, Any]:

@@ -46,12 +46,15 @@ def one_way_of_motion(obstacle: Obstacles) -> Problems:
 
 
 def table_of_motion_in_order(obstacle: Obstacles) -> Problems:
-    """Check that the times of a motion increase, and that it begins where the obstacle stands."""
+    """Check that the times of a motion increase from 0 on, and that it begins where it stands."""
     for key, motion in _motions(obstacle).items():
         if motion.time is None:
             continue
         if len(motion.time) < 2:
             yield Problem(f"{key}.time", "needs two times at least", motion.time)
+        if motion.time and motion.time[0] < 0.0:
+            message = "must not be before the start of the run, 0 s"
+            yield Problem(f"{key}.time.0", message, motion.time[0])
         for k, (before, after) in enumerate(pairwise(motion.time), start=1):
             if after <= before:
                 message = f"must be later than the one before, {before:g} s"

@@ -8,6 +8,11 @@ from debrisflow.case.motion import DISPLACEMENTS
 from debrisflow.case.problems import Problem
 from debrisflow.case.series import UnreadableSeriesError, read_series
 
+WITHOUT_AXIS = (
+    "has a column 'angle', but no file says about which axis; write the table into the case, with "
+    "'about'"
+)
+
 
 def inline_motions(data: dict[str, object], folder: Path) -> list[Problem]:
     """Replace the names of the files of motions by their contents.
@@ -35,7 +40,11 @@ def inline_motions(data: dict[str, object], folder: Path) -> list[Problem]:
             continue
         key = f"obstacle.{k}.motion"
         try:
-            entry["motion"] = read_series(folder / name, ("time",), DISPLACEMENTS)
+            motion = read_series(folder / name, ("time",), DISPLACEMENTS)
+            if "angle" in motion:
+                problems.append(Problem(key, WITHOUT_AXIS, name))
+            else:
+                entry["motion"] = motion
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             problems.append(Problem(key, f"cannot be read: {reason}", name))

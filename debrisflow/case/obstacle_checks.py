@@ -6,11 +6,11 @@ from collections.abc import Callable
 from itertools import combinations
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
+from debrisflow.case.polygons import fault_of, thickness
 from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.regions import (
     TOLERANCE,
     WALL_SHIFT,
-    fault_of,
     lattice_points,
     occupied,
     open_space,
@@ -67,6 +67,19 @@ def polygons_closed(obstacle: Obstacles) -> Problems:
     for k, body in enumerate(obstacle):
         if isinstance(body, PolygonObstacle) and (fault := fault_of(body)):
             yield Problem(f"obstacle.{k}.corners", fault)
+
+
+def polygons_thick(particles: Particles, obstacle: Obstacles) -> Problems:
+    """Check that polygons have room for a row of wall, whose sums hold the fluid off."""
+    for k, body in enumerate(obstacle):
+        if isinstance(body, PolygonObstacle) and not fault_of(body):
+            widest = thickness(body)
+            if widest <= particles.spacing:
+                message = (
+                    f"too thin: {widest:.3g} m where it is thickest, which must be more than a "
+                    f"spacing, {particles.spacing:g} m; a box may be thinner"
+                )
+                yield Problem(f"obstacle.{k}.corners", message)
 
 
 def polygons_of_surfaces(scheme: AnyScheme, obstacle: Obstacles) -> Problems:
@@ -126,6 +139,7 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     obstacles_of_dimension,
     obstacles_named,
     polygons_closed,
+    polygons_thick,
     polygons_of_surfaces,
     obstacles_inside,
     obstacles_apart,

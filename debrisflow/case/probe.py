@@ -7,8 +7,9 @@ from importlib import import_module
 from math import hypot
 from typing import Any, ClassVar, NamedTuple, Self, TypeVar
 
-from debrisflow.case.bodies import BoxObstacle
+from debrisflow.case.bodies import BoxObstacle, PolygonObstacle
 from debrisflow.case.fields import NAME_PATTERN, NONE, Table, quantity
+from debrisflow.case.polygons import distance_to_polygon, fault_of
 from debrisflow.case.words import ABSENT, did_you_mean, either
 
 SIZE = "side of the square, in two dimensions width of the strip, {}; 2 spacings if left out"
@@ -102,13 +103,15 @@ class Space(NamedTuple):
     def distance_to(self, wall: str, place: tuple[float, float, float]) -> float | None:
         """Return the distance of a place to the surface of a wall, m.
 
-        None for a bed and a mesh, whose surface only the run finds.
+        None for a bed and a mesh, whose surface only the run finds, and a polygon that is wrong.
         """
         plane, body = self.planes.get(wall), self.obstacles.get(wall)
         if plane is not None:
             return abs(place[plane[0]] - plane[1])
         if isinstance(body, BoxObstacle):
             return _distance_to_box(place, body)
+        if isinstance(body, PolygonObstacle) and not fault_of(body):
+            return distance_to_polygon(place[0], place[1], body)
         return None
 
 

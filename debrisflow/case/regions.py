@@ -193,16 +193,16 @@ def shared_space(
     return Region(tuple(lower.tolist()), tuple(upper.tolist()))
 
 
-def fault_of(polygon: PolygonObstacle) -> str:
-    """Return what is wrong with a polygon; empty if nothing is."""
-    x, y = np.array(polygon.corners).T
-    if abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)) <= TOLERANCE * np.ptp(x) * np.ptp(y):
-        return "encloses nothing: its corners lie on a line, or its sides cross"
-    shape = shapely.Polygon(polygon.corners)
-    if not shapely.is_valid(shape):
-        _, _, place = shapely.is_valid_reason(shape).partition("[")
-        return f"its sides cross or touch at ({place.rstrip(']').replace(' ', ', ')}) m"
-    return ""
+def area_left(region: Region, bodies: Sequence[Region | PolygonObstacle]) -> float:
+    """Return the area of a region in two dimensions outside of bodies, m2."""
+    holes = [
+        _outline(body)
+        if isinstance(body, PolygonObstacle)
+        else shapely.box(*body.lower, *body.upper)
+        for body in bodies
+    ]
+    space = shapely.box(*region.lower, *region.upper)
+    return float(space.difference(shapely.union_all(holes)).area)
 
 
 def _outline(body: AnyFill | AnyObstacle) -> shapely.Polygon:

@@ -9,11 +9,13 @@ from typing import Any
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
 from debrisflow.case.built import LARGEST_MISFIT, MUST_STAND, as_built, enough
 from debrisflow.case.fields import Interval
+from debrisflow.case.polygons import fault_of
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import (
     TOLERANCE,
     WALL_SHIFT,
     WEIR_SPACINGS,
+    area_left,
     bed_end,
     boxes_among,
     covered,
@@ -297,7 +299,13 @@ def fills_left(
     geometry: Geometry, particles: Particles, obstacle: Obstacles, fill: Fill
 ) -> Problems:
     """Check that obstacles and later fills leave something of every fill."""
-    boxes = boxes_among(obstacle, 3 if is_three_dimensional(geometry) else 2)
+    dimension = 3 if is_three_dimensional(geometry) else 2
+    boxes = boxes_among(obstacle, dimension)
+    polygons = [
+        body
+        for body in obstacle
+        if dimension == 2 and isinstance(body, PolygonObstacle) and not fault_of(body)
+    ]
     areas = [covered(part, geometry, particles) for part in fill]
     for k, (part, area) in enumerate(zip(fill, areas, strict=True)):
         if isinstance(part, MeshFill) or area is None or area.volume <= 0:
@@ -307,7 +315,10 @@ def fills_left(
             for other, another in zip(areas[k + 1 :], fill[k + 1 :], strict=True)
             if other is not None and not isinstance(another, MeshFill)
         ]
-        if volume_left([area], [*boxes, *later]) <= TOLERANCE * area.volume:
+        left = volume_left([area], [*boxes, *later])
+        if polygons and left > 0.0:
+            left = area_left(area, [*boxes, *later, *polygons])
+        if left <= TOLERANCE * area.volume:
             message = "nothing is left of it: it lies in obstacles and fills after it in the file"
             yield Problem(f"fill.{k}", message)
 

@@ -203,13 +203,6 @@ def face_at(i, f, solid):
 
 
 @kernel
-def is_beyond_reach(i, f, solid):
-    """Return whether face f of particle i is an edge ahead, none of whose body is in reach."""
-    row = solid.row[i]
-    return solid.is_edge[row, f] and solid.push[row, f] == 0.0
-
-
-@kernel
 def wall_density_at(i, near, solid):
     """Return n and the vector V of the solid before particle i; in two dimensions."""
     row = solid.row[i]

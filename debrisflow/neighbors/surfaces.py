@@ -22,7 +22,7 @@ from debrisflow.neighbors.lists import FixedNeighbors, Neighbors
 from debrisflow.neighbors.near_boxes import cut_pairs, near_boxes
 from debrisflow.neighbors.octant import Octants, beyond_of
 from debrisflow.neighbors.pairs import BLOCK, repeats_of
-from debrisflow.neighbors.quadrant import HX, Quadrants
+from debrisflow.neighbors.quadrant import HX, N, Quadrants
 from debrisflow.neighbors.rows import add_rows
 
 Floats = NDArray[np.float64]
@@ -32,7 +32,9 @@ Floats = NDArray[np.float64]
 def survey_elements_at(i, position, listed, count, elements, radius, spacing, boundary, room):
     """Add what particle i, which has a row, feels of the elements of closed surfaces.
 
-    The nearest face, and in a hollow of a body a second one that turns away from it.
+    The nearest face, and in a hollow of a body a second one that turns away from it.  In two
+    dimensions the toe of a flat wedge, ahead, is none while no row of the wedge is in reach: as a
+    face it would stop what runs up the wedge.
     """
     row, first, normal, own = boundary.row[i], room[0], room[1], room[2]
     x, y, z = position[i, 0], position[i, 1], position[i, 2]
@@ -50,7 +52,8 @@ def survey_elements_at(i, position, listed, count, elements, radius, spacing, bo
         is_inside = f == 0 and number >= 0 and distance < -PULLED_BACK * spacing
         if is_inside and boundary.dimension == 3.0:
             add_sphere(radius, own)
-        if number >= 0:
+        is_toe = boundary.dimension < 3.0 and is_edge and own[N] == 0.0
+        if number >= 0 and not is_toe:
             push = -(own[2] * normal[0] + own[3] * normal[1] + own[4] * normal[2]) / spacing
             insert_face(row, distance, normal, number, push, is_edge, boundary)
         for k in range(3):

@@ -11,7 +11,6 @@ from debrisflow._jit import kernel
 from debrisflow.neighbors.boundary import (
     face_at,
     face_count,
-    is_beyond_reach,
     velocity_of_face,
     wall_sums_at,
 )
@@ -48,8 +47,6 @@ def gradient_in_walls_at(i, pressure, rho, gravity, ax, ay, az, rate, near, soli
     third = near.number_density / near.dimension
     xx, yy, zz = xx + LEAST_MOMENT * third, yy + LEAST_MOMENT * third, zz + LEAST_MOMENT * third
     for k in range(face_count(i, solid)):
-        if is_beyond_reach(i, k, solid):
-            continue
         _, nx, ny, nz, _ = face_at(i, k, solid)
         wall_u, wall_v, wall_w = velocity_of_face(i, k, solid)
         across = STIFF_ACROSS * third

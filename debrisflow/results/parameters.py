@@ -57,7 +57,8 @@ def _walk(table: Table, prefix: str) -> Iterator[Parameter]:
         nested = value if isinstance(value, tuple) else (value,)
         if nested and all(isinstance(part, Table) for part in nested):
             for number, part in enumerate(nested):
-                place = f"{key}.{number}." if isinstance(value, tuple) else f"{key}."
+                entry = getattr(part, "name", number)
+                place = f"{key}.{entry}." if isinstance(value, tuple) else f"{key}."
                 yield from _walk(part, place)
         else:
             extra = field.json_schema_extra

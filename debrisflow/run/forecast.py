@@ -21,6 +21,7 @@ from debrisflow.particles.seeding import seed
 from debrisflow.particles.state import PHASES
 from debrisflow.run.pace import Pace
 from debrisflow.run.work import mean_number, speeds, step_at
+from debrisflow.space.encounters import encounters
 from debrisflow.space.volumes import differences
 
 # One fluid particle in a compressed particle file.  Wall particles take less: 37 bytes a particle
@@ -221,7 +222,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
         frames=frames,
         sound=_sound(case, speed, fall_speed(*space)),
         poor=_poor(case),
-        doubts=doubts(case),
+        doubts=[*doubts(case), *encounters(case)],
         rounded=differences(case),
     )
 

@@ -29,6 +29,7 @@ from debrisflow.run.schedule import Schedule
 from debrisflow.run.summary import summary
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.clock import Clock
+from debrisflow.space.encounters import encounters
 from debrisflow.space.volumes import differences
 
 LOG = logging.getLogger(__name__)
@@ -144,7 +145,7 @@ class _Run:
             state.particles.count,
             THREADING_LAYER,
         )
-        for doubt in doubts(case):
+        for doubt in (*doubts(case), *encounters(case)):
             LOG.warning("%s", doubt)
         if rounded := differences(case):
             LOG.info("built otherwise than asked:\n%s", "\n".join([HEAD, *map(str, rounded)]))

@@ -29,7 +29,7 @@ class Pose(NamedTuple):
     Attributes
     ----------
     displacement : (3,) float64 array, m
-        d.
+        d, in a space that repeats that to the nearest image.
     turn : (3, 3) float64 array
         R.
     axis : (3,) float64 array, m
@@ -64,6 +64,7 @@ class Trajectory:
 
     def __init__(self, motion: Motion, corners: Floats, case: ResolvedCase) -> None:
         self._up, self._motion = case.dimension - 1, motion
+        self._period = domain(case).period
         self.corners = corners
         self._last = inf if motion.velocity is None else self._gone(motion.velocity, case)
         self._columns = {
@@ -108,6 +109,10 @@ class Trajectory:
                 turn[0, self._up], turn[self._up, 0] = -across, across
             else:
                 displacement["xyz".index(name)] = value
+        # its images stand a period to either side, so that it may go round any number of times
+        displacement -= self._period * np.rint(
+            displacement / np.where(self._period, self._period, 1.0)
+        )
         if self._motion.about is not None:
             axis[[0, self._up]] = self._motion.about
         return Pose(displacement, turn, axis)

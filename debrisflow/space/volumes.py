@@ -26,7 +26,7 @@ def _volumes(case: ResolvedCase) -> Iterator[Rounded]:
         asked = _volume_asked(case.asked or case, k)
         built = len(places) * case.particles.spacing**case.dimension
         if asked is not None and abs(built - asked) > SMALL * asked:
-            yield Rounded(f"fill.{k}, {word}", asked, built, unit)
+            yield Rounded(f"fill.{k}, {word}", asked, built, unit, asked)
 
 
 def _volume_asked(case: Case, number: int) -> float | None:

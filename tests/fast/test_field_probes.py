@@ -8,6 +8,7 @@ import pyvista
 
 from debrisflow.errors import OutputError
 from debrisflow.results import open_run
+from debrisflow.results.plots.fields import grid_figure
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.probe_curves import probe_curve
 from debrisflow.results.survey import survey
@@ -155,6 +156,18 @@ def test_lines_and_grids_are_drawn(whole):
     files, _ = postprocess(survey(open_run(whole)))
     names = {file.name for file in files}
     assert {"lines.png", "grids.png"} <= names <= set(DERIVED)
+
+
+def test_a_flat_grid_has_a_low_panel(tmp_path):
+    heights = []
+    for number, top in enumerate((0.1, 0.4)):
+        grid = {"name": "map", "type": "grid", "interval": 0.1, "x": (0.0, 0.8), "y": (0.0, top)}
+        case = tank_case(20, 10, "water", spacing=0.05, probe=[grid])
+        _, state = started(case)
+        with RunFolder.create(tmp_path / f"run{number}", case) as folder:
+            folder.write_probe("map", 0.0, samplers(case, state)["map"].rows(state))
+        heights.append(grid_figure(open_run(tmp_path / f"run{number}")).get_figheight())
+    assert heights[0] < heights[1] - 0.5
 
 
 def test_a_line_is_no_curve_in_time(whole):

@@ -10,7 +10,7 @@ from debrisflow.cli import main
 from debrisflow.errors import OutputError
 from debrisflow.results import open_run
 from debrisflow.results.compare import compare
-from debrisflow.results.plots.probes import compared_probes, curves_to_draw
+from debrisflow.results.plots.probes import compared_probes, curves_to_draw, probe_figure
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.probe_curves import ProbeCurve, probe_figures, running_mean
 from debrisflow.results.references import distances, read_reference
@@ -238,6 +238,19 @@ def test_every_column_of_a_probe_can_be_compared_and_is_drawn(tmp_path, found):
     assert row.rms == pytest.approx(0.0, abs=1e-12)
     drawn = [(curve.probe, curve.column) for curve in curves_to_draw(found, [given])]
     assert drawn[-2:] == [("level", "filled_height"), ("level", "height")]
+
+
+def test_what_is_zero_all_the_time_is_drawn_only_alone_or_where_it_is_measured(tmp_path):
+    some, none = curve_of(pulse(TIME)), curve_of(0.0 * TIME)._replace(column="other")
+    labels = [
+        probe_figure(curves, given).axes[0].get_legend_handles_labels()[1]
+        for curves, given in (
+            ([some, none], []),
+            ([none], []),
+            ([some, none], [reference(tmp_path / "flume.csv", p__other=TIME)]),
+        )
+    ]
+    assert labels == [["c"], ["other"], ["c", "other", "flume: other"]]
 
 
 def test_a_reference_of_other_times_is_told(tmp_path, found):

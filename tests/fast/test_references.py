@@ -160,6 +160,15 @@ def test_values_are_told_with_their_unit():
     assert all(text for text in told.values())
 
 
+def test_entries_with_a_name_are_called_by_it():
+    level = {"type": "height", "name": "level", "x": 1.0, "interval": 0.1}
+    wider = [{"type": "section", "name": "mouth", "x": 1.5, "interval": 0.1}, level | {"size": 0.3}]
+    rows = differences([channel_case(probe=[level | {"size": 0.2}]), channel_case(probe=wider)])
+    found = {next(part.key for part in row if part): row for row in rows}
+    assert [part and part.told for part in found["probe.level.size"]] == ["0.2 m", "0.3 m"]
+    assert [part and part.told for part in found["probe.mouth.x"]] == [None, "1.5 m"]
+
+
 def test_a_case_in_one_line_names_what_matters():
     line = summary(channel3d_case(slope=15.0, inflow={"depth": 0.2, "discharge": 0.05}))
     words = ("d0 = 50 mm", "slope 15°", "water 1000 kg/m³", "supply 0.05 m³/s")

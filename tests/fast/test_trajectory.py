@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from debrisflow.case.motion import Motion
+from debrisflow.results.pictures.panels import plan_obstacles
+from debrisflow.space.domain import domain
+from debrisflow.space.scene import faces_with_images
 from debrisflow.space.trajectory import Trajectory
 from tests.building import tank3d_case, tank_case
 
@@ -35,6 +38,46 @@ def test_a_drawn_gate_waits_moves_and_is_gone(dimension):
     height = CASES[dimension].geometry.height
     assert later.moved(CORNERS[dimension])[:, dimension - 1].min() > height
     assert way.speed(50.0) == 0.0
+
+
+def test_a_gate_that_has_been_drawn_is_not_seen_from_above():
+    gate = {"type": "box", "name": "gate", "x": (0.4, 0.5), "y": (0.0, 0.6), "z": (0.0, 0.6)}
+    pier = gate | {"name": "pier", "x": (0.6, 0.7), "z": (0.0, 0.3)}
+    drawn = gate | {"motion": {"velocity": (0.0, 0.0, 2.0)}}
+    case = tank3d_case(z=(0.0, 0.3), obstacle=[drawn, pier])
+    gone = 0.5 * case.geometry.height + 0.01  # s
+    before, after = (plan_obstacles(case, time) for time in (0.0, gone))
+    assert {face[:, 0].min().round(6) for face in before} >= {0.4, 0.6}
+    assert min(face[:, 0].min() for face in after) == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_in_a_space_that_repeats_it_goes_round_any_number_of_times(dimension):
+    axis = dimension - 2  # a tank of three dimensions repeats along y
+    box = {"type": "box", "name": "sill", "x": (0.3, 0.4), "y": (0.0, 0.1), "z": (0.0, 0.1)}
+    if dimension == 2:
+        box.pop("z")
+        case = tank_case(20, 10, "water", spacing=0.05, obstacle=[box])
+    else:
+        case = tank3d_case(size=(0.8, 1.2, 1.0), obstacle=[box])
+    case = case.model_copy(update={"geometry": case.geometry.model_copy(update={"periodic": True})})
+    period = domain(case).period[axis]
+    way = Trajectory(Motion(velocity=tuple(np.eye(dimension)[axis])), CORNERS[dimension], case)
+    for round_ in (0.0, 1.0, 7.0):
+        place = way.pose((round_ + 0.3) * period).displacement[axis]
+        assert place == pytest.approx(0.3 * period)
+    assert way.speed(9.0 * period) == pytest.approx(1.0)
+
+
+def test_what_crosses_the_end_of_a_space_that_repeats_is_seen_at_both_ends():
+    sill = {"type": "box", "name": "sill", "x": (0.3, 0.5), "y": (0.0, 0.1)}
+    moves = sill | {"motion": {"velocity": (1.0, 0.0)}}
+    case = tank_case(20, 10, "water", spacing=0.05, obstacle=[moves])
+    case = case.model_copy(update={"geometry": case.geometry.model_copy(update={"periodic": True})})
+    for time, ends in ((0.1, [(0.4, 0.6)]), (0.6, [(-0.1, 0.1), (0.9, 1.1)])):
+        faces = faces_with_images(case, time)
+        seen = sorted((one[..., 0].min(), one[..., 0].max()) for one in faces)
+        np.testing.assert_allclose(seen, ends, atol=1e-12)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -32,10 +32,10 @@ from debrisflow.space.plan_grid import Grid, floor_length, plan, wrapped
 from debrisflow.space.scene import (
     closed_ends,
     edges_across,
+    faces_with_images,
     floor_profile,
     has_sides,
     head_walls,
-    obstacle_faces,
     scene_of,
     section_lines,
     trajectories,
@@ -188,7 +188,7 @@ class SidePanels:
         for line in section_lines(self.case)[1:] if up == 1 else ends:
             axes.plot(*line.T, color=LINE, linewidth=0.9, scaley=False)
         faces = []
-        for face in (face for body in obstacle_faces(self.case, time) for face in body):
+        for face in (face for body in faces_with_images(self.case, time) for face in body):
             x, level = face[:, 0], straightened(self.case, face[:, 0], face[:, up])
             faces.append(np.column_stack([x, level]))
         axes.add_collection(
@@ -287,9 +287,10 @@ class PlanPanels:
     def _draw_surroundings(self, axes: Axes, time: float) -> None:
         for (x0, y0), (x1, y1) in plan_outlines(self.case):
             axes.plot([x0, x1], [y0, y1], color=LINE, linewidth=0.9)
-        faces = [face[:, :2] for body in obstacle_faces(self.case, time) for face in body]
         axes.add_collection(
-            PolyCollection(faces, facecolors=SOLID, edgecolors=SOLID, linewidths=0.3)
+            PolyCollection(
+                plan_obstacles(self.case, time), facecolors=SOLID, edgecolors=SOLID, linewidths=0.3
+            )
         )
 
     def close(self) -> None:
@@ -332,6 +333,16 @@ def plan_outlines(case: ResolvedCase) -> list[tuple[tuple[float, float], tuple[f
     return lines + [((x, y0), (x, y1)) for x, y0, y1 in head_walls(case)]
 
 
+def plan_obstacles(case: ResolvedCase, time: float) -> list[Floats]:
+    """Return the faces of obstacles as seen from above at a time, s, (n, 2) arrays, m.
+
+    What is over the side walls, as a gate that has been drawn, is left out.
+    """
+    top = case.geometry.height
+    bodies = [body for body in faces_with_images(case, time) if body[..., 2].min() < top]
+    return [face[:, :2] for body in bodies for face in body]
+
+
 class PerspectivePanels:
     """Particles between floor, walls and obstacles, upright against gravity.
 
@@ -369,7 +380,7 @@ class PerspectivePanels:
             spacing = self.case.particles.spacing
             self._view = PerspectiveView(self.scene, self.camera, fine, spacing)
         if trajectories(self.case):
-            self._view.show_obstacles(obstacle_faces(self.case, frame.time))
+            self._view.show_obstacles(faces_with_images(self.case, frame.time))
         position = wrapped(self.case, frame.position)
         image = self._view.picture(position, scale.colors(frame))
         half = float(np.tan(np.radians(0.5 * OPENING)))

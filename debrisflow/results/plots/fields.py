@@ -16,8 +16,11 @@ from debrisflow.run.tables import Table
 Floats = NDArray[np.float64]
 MOST_PROBES = 8
 HEIGHT = 2.0  # inch
+WIDEST = 2.4  # inch, of the picture of a grid
+BESIDE = 0.75  # inch, for title and ticks of a panel
 ARROWS = 24  # along the longer side of a grid
 DRY = "#eeeeee"
+MOST = 99.5  # percent of the values that a scale of colors holds
 
 
 def line_figure(run: Run) -> Figure | None:
@@ -53,9 +56,13 @@ def grid_figure(run: Run) -> Figure | None:
     shown = [(name, table) for name, table in tables.items() if table["time"].size][:MOST_PROBES]
     if not shown:
         return None
-    figure, axes = panels(len(shown), 2, height=HEIGHT)
-    for (name, table), pair in zip(shown, zip(axes[::2], axes[1::2], strict=True), strict=True):
-        (along, across), where, velocity, pressure = _plane(table)
+    planes = [(name, table, *_plane(table)) for name, table in shown]
+    heights = [_height(table[along], table[up]) for _, table, (along, up), *_ in planes]
+    figure, axes = panels(len(shown), 2, height=heights)
+    pairs = zip(axes[::2], axes[1::2], strict=True)
+    for (name, table, (along, across), where, velocity, pressure), pair in zip(
+        planes, pairs, strict=True
+    ):
         fields = {"speed, m/s": np.linalg.norm(velocity, axis=-1), "pressure, Pa": pressure}
         for one, (label, values) in zip(pair, fields.items(), strict=True):
             _draw(one, table[along], table[across], values.T, label)
@@ -64,6 +71,12 @@ def grid_figure(run: Run) -> Figure | None:
         _arrows(pair[0], table[along], table[across], velocity[..., components])
         pair[0].set_title(f"{name}{where}, t = {table['time'][-1]:g} s", loc="left")
     return figure
+
+
+def _height(along: Floats, across: Floats) -> float:
+    """Return the height of a panel, inch, for a grid in true proportions."""
+    share = float(np.ptp(across)) / max(float(np.ptp(along)), 1e-300)
+    return BESIDE + min(WIDEST * share, HEIGHT)
 
 
 def _plane(table: Table) -> tuple[tuple[str, str], str, Floats, Floats]:
@@ -81,11 +94,18 @@ def _plane(table: Table) -> tuple[tuple[str, str], str, Floats, Floats]:
 
 
 def _draw(axes: Axes, x: Floats, y: Floats, values: Floats, label: str) -> None:
-    """Draw values at points; where there are none it is gray."""
+    """Draw values at points; where there are none it is gray.
+
+    The scale ends where only one value in two hundred is beyond it: single particles press hard.
+    """
     axes.set_facecolor(DRY)
-    mesh = axes.pcolormesh(_edges(x), _edges(y), np.ma.masked_invalid(values), cmap="viridis")
+    shown, limits = np.ma.masked_invalid(values), {}
+    if shown.count():
+        least, greatest = np.percentile(shown.compressed(), [100.0 - MOST, MOST])
+        limits = {"vmin": least, "vmax": greatest}
+    mesh = axes.pcolormesh(_edges(x), _edges(y), shown, cmap="viridis", **limits)
     beside = axes.inset_axes((1.02, 0.0, 0.025, 1.0))  # as high as the picture is
-    axes.figure.colorbar(mesh, cax=beside, label=label)
+    axes.figure.colorbar(mesh, cax=beside, label=label, extend="both")
     axes.grid(False)
 
 

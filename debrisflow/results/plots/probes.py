@@ -38,8 +38,15 @@ def _asked(found: Survey, given: Sequence[Reference]) -> list[str]:
 
 
 def probe_figure(curves: Sequence[ProbeCurve], given: Sequence[Reference]) -> Figure:
-    """Return the samples of probes, a panel each, with running means, extremes and references."""
-    parts = [list(part) for _, part in groupby(curves, lambda one: one.probe)]
+    """Return the samples of probes, a panel each, with running means, extremes and references.
+
+    What is 0 all the time is left out beside what is not.
+    """
+    measured = {name for one in given for name in one.curves}
+    parts = []
+    for _, group in groupby(curves, lambda one: one.probe):
+        part = list(group)
+        parts.append([one for one in part if one.values.any() or _key(one) in measured] or part)
     shown = parts[:MOST_PANELS]
     figure, axes = panels(len(shown), height=HEIGHT, sharex=True)
     for part, one in zip(shown, axes, strict=True):
@@ -69,14 +76,22 @@ def _draw_references(axes: Axes, given: Sequence[Reference], curve: ProbeCurve, 
 def compared_probes(
     found: Sequence[Survey], names: Sequence[str], given: Sequence[Reference]
 ) -> Figure | None:
-    """Return the running means of the curves that all runs have, a panel each; None if none."""
+    """Return the running means of the curves that all runs have, a panel each; None if none.
+
+    What is 0 all the time in all runs is left out.
+    """
     curves_of = [curves_to_draw(each, given) for each in found]
     known = [{(one.probe, one.column): one for one in curves} for curves in curves_of]
     common = [key for key in known[0] if all(key in curves for curves in known)]
+    asked = _asked(found[0], given)
+    common = [
+        key
+        for key in common
+        if ".".join(key) in asked or any(curves[key].values.any() for curves in known)
+    ]
     if not common:
         return None
     # those that are measured first, since only so many are drawn
-    asked = _asked(found[0], given)
     common.sort(key=lambda key: ".".join(key) not in asked)
     shown = common[:MOST_PANELS]
     figure, axes = panels(len(shown), height=HEIGHT, sharex=True)
