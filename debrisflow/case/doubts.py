@@ -7,12 +7,13 @@ Former names of fields are told beside them.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import hypot, isclose
+from math import hypot, inf, isclose
 
 from debrisflow.case.built import LARGEST_MISFIT, enough
+from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.case.motion import Motion
 from debrisflow.case.resolved import ResolvedCase
-from debrisflow.case.tables import Block
+from debrisflow.case.tables import Block, Scheme
 
 EARTH = 9.81  # m/s2
 STEEP = 45.0  # degrees, steeper than any debris flow on record
@@ -20,6 +21,7 @@ WATERS = 500.0, 2000.0  # kg/m3, with what fine grains make of it
 ROCKS = 1500.0, 5000.0  # kg/m3
 GREATEST_GRAIN = 1.0  # spacings
 FEWEST_ROWS = 2  # of particles over a depth
+SHORTENED = 0.1  # of the greatest time step, by a wall that moves
 
 
 def doubts(case: ResolvedCase) -> list[str]:
@@ -124,4 +126,18 @@ def _supply(case: ResolvedCase) -> Iterator[str]:
         )
 
 
-DOUBTS = (_gravity, _densities, _shares, _grains, _times, _rows, _supply)
+def _fast_walls(case: ResolvedCase) -> Iterator[str]:
+    path = LARGEST_PATH
+    if isinstance(case.scheme, Scheme):
+        path = case.scheme.courant
+    for body in case.obstacle:
+        speed = body.motion.greatest_speed if isinstance(body.motion, Motion) else 0.0
+        step = path * case.particles.spacing / speed if speed > 0.0 else inf
+        if step < SHORTENED * case.time.largest_step:
+            yield (
+                f"obstacle.{body.name}.motion: up to {speed:.3g} m/s; while it moves so fast, the "
+                f"time step is {step:.2g} s instead of {case.time.largest_step:.2g} s"
+            )
+
+
+DOUBTS = (_gravity, _densities, _shares, _grains, _times, _rows, _supply, _fast_walls)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from math import dist, hypot
+
 from debrisflow.case.fields import Components, Series, Table, Vector, quantity
 
 DISPLACEMENTS = ("x", "y", "z", "angle")
@@ -28,6 +31,18 @@ class Motion(Table):
     about: Vector | None = quantity(
         "m", "x and level (y, in three dimensions z) of the axis that it turns about", None
     )
+
+    @property
+    def greatest_speed(self) -> float:
+        """The greatest speed without turning, m/s; of a table the mean between two rows."""
+        if self.velocity is not None:
+            return hypot(*self.velocity)
+        columns = [column for name, column in self.table.items() if name != "angle"]
+        places = list(zip(*columns, strict=True))
+        rows = list(zip(self.time or (), places, strict=False))
+        return max(
+            (dist(a, b) / (end - start) for (start, a), (end, b) in pairwise(rows)), default=0.0
+        )
 
     @property
     def table(self) -> dict[str, Series]:

@@ -36,6 +36,11 @@ def thickness(polygon: PolygonObstacle) -> float:
     return float(2.0 * shapely.maximum_inscribed_circle(shape, tolerance).length)
 
 
+def is_in_polygon(x: float, y: float, polygon: PolygonObstacle) -> bool:
+    """Return whether a place lies in a polygon."""
+    return bool(shapely.Polygon(polygon.corners).contains(shapely.Point(x, y)))
+
+
 def distance_to_polygon(x: float, y: float, polygon: PolygonObstacle) -> float:
     """Return the distance of a place, outside or inside, to the sides of a polygon, m."""
     sides = shapely.Polygon(polygon.corners).exterior

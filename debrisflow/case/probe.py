@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple, Self, TypeVar
 
 from debrisflow.case.bodies import BoxObstacle, PolygonObstacle
 from debrisflow.case.fields import NAME_PATTERN, NONE, Table, quantity
-from debrisflow.case.polygons import distance_to_polygon, fault_of
+from debrisflow.case.polygons import distance_to_polygon, fault_of, is_in_polygon
 from debrisflow.case.words import ABSENT, did_you_mean, either
 
 SIZE = "side of the square, in two dimensions width of the strip, {}; 2 spacings if left out"
@@ -99,6 +99,23 @@ class Space(NamedTuple):
         if wall not in known:
             message = f"there is no such wall, but {either(known)}" + did_you_mean(wall, known)
             yield Fault("wall", message, wall)
+
+    def obstacle_around(self, place: tuple[float, float, float]) -> str | None:
+        """Return the name of the box or polygon that stands at a place; None if none does."""
+        for name, body in self.obstacles.items():
+            if getattr(body, "motion", None) is not None:
+                continue
+            if isinstance(body, BoxObstacle) and all(
+                low < at < high for at, (low, high) in zip(place, body.extents, strict=False)
+            ):
+                return name
+            if (
+                isinstance(body, PolygonObstacle)
+                and not fault_of(body)
+                and is_in_polygon(place[0], place[1], body)
+            ):
+                return name
+        return None
 
     def distance_to(self, wall: str, place: tuple[float, float, float]) -> float | None:
         """Return the distance of a place to the surface of a wall, m.

@@ -38,7 +38,9 @@ def read_series(
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             lines = list(_rows(file))
-    except (UnicodeDecodeError, csv.Error) as error:
+    except UnicodeDecodeError as error:
+        raise UnreadableSeriesError("is not a text file in UTF-8") from error
+    except csv.Error as error:
         raise UnreadableSeriesError(str(error)) from error
     header = [name.strip() for name in lines[0][1]] if lines else []
     for name in columns:

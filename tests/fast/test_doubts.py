@@ -57,3 +57,23 @@ def test_a_run_keeps_its_doubts_in_its_log(tmp_path):
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_shipped_cases_are_not_doubtful(path):
     assert doubts(load_case(path)) == []
+
+
+@pytest.mark.parametrize(
+    ("motion", "is_doubtful"),
+    [
+        ({"velocity": (0.0, 1.5)}, False),
+        ({"velocity": (0.0, 1500.0)}, True),
+        ({"time": (0.0, 0.001, 1.0), "y": (0.0, 0.9, 0.9)}, True),
+        ({"time": (0.0, 1.0), "angle": (0.0, 10.0), "about": (0.5, 0.0)}, False),
+    ],
+)
+def test_a_wall_that_shortens_the_step_by_ten_is_doubtful(motion, is_doubtful):
+    gate = {"type": "box", "name": "gate", "x": (0.25, 0.3), "y": (0.0, 0.2), "motion": motion}
+    told = [
+        line
+        for line in doubts(tank_case(20, 10, "water", (40, 30), obstacle=[gate]))
+        if "gate" in line
+    ]
+    assert bool(told) == is_doubtful
+    assert all(line.startswith("obstacle.gate.motion: up to ") for line in told)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from debrisflow.case.fields import quantity
-from debrisflow.case.probe import Faults, Probe, Space
+from debrisflow.case.probe import Fault, Faults, Probe, Space
 
 
 class PointProbe(Probe):
@@ -20,3 +20,7 @@ class PointProbe(Probe):
         """Yield what is wrong with the place."""
         yield from space.coordinate_faults("z", self.z)
         yield from space.place_faults(x=self.x, y=self.y, z=self.z)
+        within = space.obstacle_around((self.x, self.y, self.z or 0.0))
+        if within:
+            message = f"the place lies in obstacle.{within}, where there is no fluid"
+            yield Fault("x", message, self.x)

@@ -36,6 +36,7 @@ class PressureProbe(Probe):
         if getattr(space.obstacles.get(self.wall), "motion", None) is not None:
             message = "it moves, and a patch does not; ask for the force on it: type = 'force'"
             yield Fault("wall", message, self.wall)
+            return
         distance = space.distance_to(self.wall, (self.x, self.y, self.z or 0.0))
         if distance is not None and distance > space.spacing * (1 + SLACK):
             message = f"the place is {distance:.3g} m from that wall; at most a spacing"
