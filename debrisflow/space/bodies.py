@@ -23,7 +23,7 @@ from debrisflow.space.domain import (
     LEFT,
     RIGHT,
     WALL_NAMES,
-    domain,
+    image_shifts,
 )
 from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import runout_bend
@@ -231,13 +231,9 @@ def _around_supply(shape: ResolvedChannelShape, across: Ends, case: ResolvedCase
 def _obstacles(case: ResolvedCase) -> list[Body]:
     """Return the box obstacles, with their images in a domain that repeats."""
     bodies = []
-    period = domain(case).period
     for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
         if not isinstance(obstacle, BoxObstacle):
             continue
-        shifts = [np.zeros(3)]
-        for axis in np.flatnonzero(period):
-            shifts += [sign * period[axis] * np.eye(3)[axis] for sign in (-1.0, 1.0)]
         bodies += [
             Body(
                 obstacle.x,
@@ -247,7 +243,7 @@ def _obstacles(case: ResolvedCase) -> list[Body]:
                 origin=tuple(shift.tolist()),
                 up=case.dimension - 1,
             )
-            for shift in shifts
+            for shift in image_shifts(case)
         ]
     return bodies
 

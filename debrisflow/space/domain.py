@@ -102,6 +102,18 @@ def domain(case: ResolvedCase) -> Domain:
     return Domain(lower, upper, period, shape.height, closed, mouth)
 
 
+def image_shifts(case: ResolvedCase) -> Floats:
+    """Return where the images of a body stand beside it, (n, 3) array, m: 0, and by a period.
+
+    0 alone in a space that does not repeat.
+    """
+    period = domain(case).period
+    shifts = [np.zeros(3)]
+    for axis in np.flatnonzero(period):
+        shifts += [sign * period[axis] * np.eye(3)[axis] for sign in (-1.0, 1.0)]
+    return np.array(shifts)
+
+
 def cells_along(length: float, d0: float) -> int:
     """Return the number of cells of a length, m; halves are rounded up."""
     return floor(length / d0 + 0.5 + TOLERANCE)

@@ -10,7 +10,7 @@ from debrisflow.case.bodies import MeshObstacle
 from debrisflow.case.regions import MESH_SLACK, surface_of
 from debrisflow.case.triangles import Surface
 from debrisflow.space.bodies import bodies_of
-from debrisflow.space.domain import WALL_NAMES, domain
+from debrisflow.space.domain import WALL_NAMES, image_shifts
 
 Floats = NDArray[np.float64]
 WIDEST = 0.5
@@ -39,17 +39,13 @@ def pieces_of(
     """
     pieces, number = [np.zeros((0, 3, 6))], [np.zeros(0, dtype=np.int64)]
     is_face = [np.zeros(0, dtype=np.bool_)]
-    period = domain(case).period
     for wall, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
         if not isinstance(obstacle, MeshObstacle):
             continue
         own = _cut(
             _with_inner(_outward(surface_of(obstacle)), pulled_back, case), case.particles.spacing
         )
-        shifts = [np.zeros(3)]
-        for axis in np.flatnonzero(period):
-            shifts += [sign * period[axis] * np.eye(3)[axis] for sign in (-1.0, 1.0)]
-        for shift in shifts:
+        for shift in image_shifts(case):
             pieces.append(own + np.tile(shift, 2))
             number.append(np.full(len(own), wall))
             is_face.append(~_in_walls(own[:, :, :3], case))

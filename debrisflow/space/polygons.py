@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import PolygonObstacle
 from debrisflow.space.bodies import bodies_of
-from debrisflow.space.domain import WALL_NAMES, domain, wall_layers
+from debrisflow.space.domain import WALL_NAMES, image_shifts, wall_layers
 
 Floats = NDArray[np.float64]
 WIDEST = 0.5
@@ -50,8 +50,7 @@ def sides_of(case: ResolvedCase) -> Sides:
     A side that lies on a wall of the space, as the base of a wedge, is no face: no fluid comes
     there, unless the polygon moves.
     """
-    d0, period = case.particles.spacing, domain(case).period[0]
-    shifts = (-period, 0.0, period) if period else (0.0,)
+    d0 = case.particles.spacing
     ends, number, is_face = [np.zeros((0, 2, 2))], [], []
     for wall, part in enumerate(case.obstacle, start=len(WALL_NAMES)):
         if not isinstance(part, PolygonObstacle):
@@ -61,9 +60,9 @@ def sides_of(case: ResolvedCase) -> Sides:
         if part.motion is None:
             surface = surface[~_on_walls(surface, case)]
         rows = _cut(np.concatenate(rows_of(part, case)), d0)
-        for shift in shifts:
+        for shift in image_shifts(case):
             for pieces, are_faces in ((surface, True), (rows, False)):
-                ends.append(pieces + np.array([shift, 0.0]))
+                ends.append(pieces + shift[:2])
                 number.append(np.full(len(pieces), wall))
                 is_face.append(np.full(len(pieces), are_faces))
     return Sides(

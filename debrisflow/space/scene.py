@@ -14,7 +14,7 @@ from debrisflow.case.motion import Motion
 from debrisflow.case.regions import runout_rise, surface_of
 from debrisflow.case.shapes import ChannelShape, Tank, Tank3D, is_three_dimensional, plain_of
 from debrisflow.case.tables import AnyObstacle
-from debrisflow.space.domain import WALL_NAMES, domain
+from debrisflow.space.domain import WALL_NAMES, domain, image_shifts
 from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import floor_level
 from debrisflow.space.trajectory import Trajectory
@@ -177,14 +177,12 @@ def obstacle_faces(case: ResolvedCase, time: float = 0.0) -> list[Floats]:
 def faces_with_images(case: ResolvedCase, time: float) -> list[Floats]:
     """Return :func:`obstacle_faces`, and those of images that reach into a space that repeats."""
     period, found = domain(case).period, obstacle_faces(case, time)
-    for axis in np.flatnonzero(period):
-        shift = period[axis] * np.eye(3)[axis]
-        images = [faces + sign * shift for faces in found for sign in (-1.0, 1.0)]
-        found += [
-            faces
-            for faces in images
-            if faces[..., axis].max() > 0.0 and faces[..., axis].min() < period[axis]
-        ]
+    repeats = np.flatnonzero(period)
+    images = [faces + shift for faces in found for shift in image_shifts(case)[1:]]
+    for faces in images:
+        ends = faces.reshape(-1, 3)[:, repeats]
+        if np.all((ends.max(axis=0) > 0.0) & (ends.min(axis=0) < period[repeats])):
+            found.append(faces)
     return found
 
 
