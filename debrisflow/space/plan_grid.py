@@ -117,6 +117,7 @@ def plan(case: ResolvedCase) -> Grid:
     Examples
     --------
     >>> from types import SimpleNamespace as Case
+    >>> from debrisflow.case import shapes
     >>> tank = shapes.Tank3D(type="tank3d", length=1.0, width=0.5, height=1.0)
     >>> grid = plan(Case(geometry=tank, obstacle=(), particles=Case(spacing=0.125)))
     >>> grid.x
