@@ -9,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import hypot, inf, isclose
 
+from debrisflow.case.bodies import PolygonObstacle
 from debrisflow.case.built import LARGEST_MISFIT, enough
 from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.case.motion import Motion
+from debrisflow.case.polygons import share_without_rows
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.tables import Block, Scheme
 
@@ -21,6 +23,7 @@ WATERS = 500.0, 2000.0  # kg/m3, with what fine grains make of it
 ROCKS = 1500.0, 5000.0  # kg/m3
 GREATEST_GRAIN = 1.0  # spacings
 FEWEST_ROWS = 2  # of particles over a depth
+MOST_WITHOUT_ROWS = 0.25  # of the sides of a polygon; a sharp wedge has some at its tips
 SHORTENED = 0.1  # of the greatest time step, by a wall that moves
 
 
@@ -140,4 +143,25 @@ def _fast_walls(case: ResolvedCase) -> Iterator[str]:
             )
 
 
-DOUBTS = (_gravity, _densities, _shares, _grains, _times, _rows, _supply, _fast_walls)
+def _thin_parts(case: ResolvedCase) -> Iterator[str]:
+    for body in case.obstacle:
+        if isinstance(body, PolygonObstacle):
+            share = share_without_rows(body, case.particles.spacing)
+            if share > MOST_WITHOUT_ROWS:
+                yield (
+                    f"obstacle.{body.name}: {share:.0%} of its sides belong to parts thinner than "
+                    "a spacing, which do not hold the fluid"
+                )
+
+
+DOUBTS = (
+    _gravity,
+    _densities,
+    _shares,
+    _grains,
+    _times,
+    _rows,
+    _supply,
+    _fast_walls,
+    _thin_parts,
+)

@@ -7,6 +7,7 @@ import shapely
 
 from debrisflow.case.bodies import PolygonObstacle
 
+FIRST_ROW = 0.5  # spacings, see neighbors.half_plane
 FLAT = 1e-6  # of the box around a polygon, which encloses nothing below that
 
 
@@ -34,6 +35,28 @@ def thickness(polygon: PolygonObstacle) -> float:
     shape = shapely.Polygon(polygon.corners)
     tolerance = 1e-3 * shape.area / shape.length
     return float(2.0 * shapely.maximum_inscribed_circle(shape, tolerance).length)
+
+
+def share_without_rows(polygon: PolygonObstacle, spacing: float) -> float:
+    """Return the share of the sides of a polygon that have no row of wall under them.
+
+    The first row lies half a spacing, m, under the sides, and does not reach into parts that are
+    thinner than two such depths.
+
+    Examples
+    --------
+    >>> square = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    >>> thin = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.05), (0.0, 0.05))
+    >>> [
+    ...     round(share_without_rows(PolygonObstacle(type="polygon", name="a", corners=c), 0.1), 2)
+    ...     for c in (square, thin)
+    ... ]
+    [0.0, 1.0]
+    """
+    shape = shapely.Polygon(polygon.corners)
+    inner = shape.buffer(-FIRST_ROW * spacing, join_style="mitre")
+    seen = inner.buffer(2.0 * FIRST_ROW * spacing)
+    return float(shape.exterior.difference(seen).length / shape.exterior.length)
 
 
 def is_in_polygon(x: float, y: float, polygon: PolygonObstacle) -> bool:

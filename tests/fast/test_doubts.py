@@ -77,3 +77,17 @@ def test_a_wall_that_shortens_the_step_by_ten_is_doubtful(motion, is_doubtful):
     ]
     assert bool(told) == is_doubtful
     assert all(line.startswith("obstacle.gate.motion: up to ") for line in told)
+
+
+LEG = [[0.2, 0.0], [0.3, 0.0], [0.3, 0.02], [0.207, 0.02], [0.207, 0.15], [0.2, 0.15]]
+
+
+@pytest.mark.parametrize(
+    ("corners", "is_doubtful"),
+    [(LEG, True), ([[0.2, 0.0], [0.35, 0.0], [0.35, 0.1]], False)],
+    ids=["leg", "wedge"],
+)
+def test_thin_parts_of_a_polygon_are_doubtful(corners, is_doubtful):
+    part = {"type": "polygon", "name": "sill", "corners": corners}
+    case = tank_case(10, 10, "water", (40, 30), obstacle=[part])
+    assert any("thinner than a spacing" in line for line in doubts(case)) == is_doubtful
