@@ -29,11 +29,6 @@ SAMPLES = 5  # least number of places along each side of a face by which it is f
 TOUCHING = 1e-6  # spacings
 
 
-def surfaces_of(case: ResolvedCase, skin: float) -> Surfaces:
-    """Return the walls of a case, for lists with at most a skin, spacings."""
-    return walls_of(case, skin)[0]
-
-
 def walls_of(
     case: ResolvedCase, skin: float, ground: HeightField | None = None
 ) -> tuple[Surfaces, MovingWalls]:

@@ -11,7 +11,7 @@ from debrisflow.neighbors.boundary import (
     wall_sums_at,
 )
 from debrisflow.particles.seeding import seed
-from debrisflow.schemes.surfaces import surfaces_of
+from debrisflow.schemes.surfaces import walls_of
 from debrisflow.space.bodies import bodies_of, in_walls
 from debrisflow.space.domain import domain
 from debrisflow.space.floor import runout_bend
@@ -99,7 +99,7 @@ def test_a_fill_stands_in_no_wall(walled):
 
 def test_a_corner_of_a_rising_floor_is_as_solid_as_one_of_a_level_floor():
     case = flume(BENT)
-    surfaces, rise, d0 = surfaces_of(case, 0.0), runout_bend(case), 0.05
+    surfaces, rise, d0 = walls_of(case, 0.0)[0], runout_bend(case), 0.05
     up, half = np.array([-np.sin(rise), 0.0, np.cos(rise)]), 0.5 * d0
     on_floor = np.array([2.0, half, (2.0 - BENT["runout_start"]) * np.tan(rise)])
     places = np.array([[0.8, half, half], on_floor + half * up])
@@ -113,7 +113,7 @@ def test_a_corner_of_a_rising_floor_is_as_solid_as_one_of_a_level_floor():
 def test_a_run_out_is_not_felt_in_the_recess_before_it():
     place, found = np.array([[0.88, 0.2, -0.12]]), []
     for shape in (RECESS, RECESS | BENT):
-        surfaces = surfaces_of(flume(shape), 0.0)
+        surfaces = walls_of(flume(shape), 0.0)[0]
         surfaces.build(place, 0.0)
         found.append(surfaces.survey(place))
     np.testing.assert_array_equal(*[solid.faces for solid in found])

@@ -13,7 +13,7 @@ from debrisflow.neighbors.boundary import (
 )
 from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.octant import SUMS, box_sums, octants
-from debrisflow.schemes.surfaces import surfaces_of
+from debrisflow.schemes.surfaces import walls_of
 from tests.building import (
     Plane,
     boxes_from,
@@ -283,7 +283,7 @@ def test_under_the_seam_of_two_boxes_the_surface_is_the_face(x):
 
 def test_at_the_foot_of_a_wall_what_dips_into_it_bounces_off_it():
     # 0.1 spacings deep in a side of the tank, 0.05 over its floor
-    surfaces, place = surfaces_of(tank3d_case(), 0.0), np.array([[-0.01, 0.3, 0.005]])
+    surfaces, place = walls_of(tank3d_case(), 0.0)[0], np.array([[-0.01, 0.3, 0.005]])
     surfaces.build(place, 0.0)
     u, v, w = rebounded(0, -1.0, 0.2, 0.3, 0.03, 0.0, surfaces.survey(place))
     assert (u, v, w) == pytest.approx((0.0, 0.2, 0.3), abs=1e-14)

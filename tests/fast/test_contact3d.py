@@ -17,7 +17,7 @@ from debrisflow.physics.granular_temperature import (
 from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, granular_pressure
 from debrisflow.physics.motion import survey_motion
 from debrisflow.physics.operators import velocity_gradient_at, velocity_gradients
-from debrisflow.schemes.surfaces import surfaces_of
+from debrisflow.schemes.surfaces import walls_of
 from tests.building import (
     acceleration_at,
     boxes_from,
@@ -283,7 +283,7 @@ def test_nothing_passes_a_wall_of_a_case_from_any_side(rng):
     box = {"type": "box", "name": "box", "x": [0.3, 0.5], "y": [0.2, 0.4], "z": [0.0, 0.3]}
     case = tank3d_case(obstacle=[box], scheme={"sound_speed": 20.0})
     position = rng.uniform(0.0, [0.8, 0.6, 0.4], (3000, 3))
-    surfaces = surfaces_of(case, 0.0)
+    surfaces = walls_of(case, 0.0)[0]
     surfaces.build(position, 0.0)
     solid, near, reach = surfaces.survey(position), 0, 0.03
     gap = np.maximum([0.3, 0.2, 0.0] - position, position - [0.5, 0.4, 0.3])

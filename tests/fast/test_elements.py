@@ -12,7 +12,7 @@ from debrisflow.neighbors.boundary import (
 )
 from debrisflow.neighbors.half_space import PULLED_BACK
 from debrisflow.neighbors.lattice import reference
-from debrisflow.schemes.surfaces import elements_from, surfaces_of
+from debrisflow.schemes.surfaces import elements_from, walls_of
 from debrisflow.space.domain import wall_names
 from debrisflow.space.mesh_pieces import pieces_of
 from tests.building import (
@@ -160,7 +160,7 @@ def test_before_the_toe_of_a_wedge_its_base_is_no_face(tmp_path, rng):
     meshio.write(tmp_path / "wedge.obj", meshio.Mesh(points, [("triangle", np.array(faces))]))
     mesh = {"type": "mesh", "name": "rock", "file": str(tmp_path / "wedge.obj")}
     case = tank3d_case((0.0, 0.1), obstacle=[mesh], scheme={"sound_speed": 20.0})
-    surfaces = surfaces_of(case, 0.0)
+    surfaces = walls_of(case, 0.0)[0]
     places = np.array(
         [[x, 0.35, z] for x in np.linspace(0.21, 0.29, 9) for z in (0.01, 0.03, 0.06)]
     )

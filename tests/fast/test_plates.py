@@ -9,7 +9,7 @@ from debrisflow.neighbors.lattice import reference
 from debrisflow.neighbors.lists import Neighbors
 from debrisflow.neighbors.near_boxes import cut_pairs, near_boxes
 from debrisflow.neighbors.pairs import repeats_of
-from debrisflow.schemes.surfaces import boxes_of, surfaces_of
+from debrisflow.schemes.surfaces import boxes_of, walls_of
 from debrisflow.space.domain import domain
 from tests.building import NOWHERE, boxes_from, felt, random_patch, tank3d_case
 
@@ -28,7 +28,7 @@ def box(name, x, y, z):
 
 def around(case, position):
     """Return what particles feel of the walls of a case."""
-    surfaces = surfaces_of(case, 0.6)
+    surfaces = walls_of(case, 0.6)[0]
     surfaces.build(position, 0.0)
     return surfaces.survey(position)
 
@@ -154,7 +154,7 @@ def test_lists_last_while_particles_move_and_come_in_again_at_the_other_end(rng)
     period, skin = domain(case).period, 0.5 * d0
     position = rng.uniform((0.0, 0.0, 0.0), (1.0, 0.2, 0.1), (2000, 3))
     position = np.concatenate([position, rng.uniform((0.97, 0, 0.041), (1, 0.2, 0.1), (500, 3))])
-    surfaces = surfaces_of(case, 0.6)
+    surfaces = walls_of(case, 0.6)[0]
     surfaces.build(position, skin)
     moved = position + rng.uniform(-0.28, 0.28, position.shape) * skin * [1.0, 0.1, 0.1]
     moved[:, 2] = np.maximum(moved[:, 2], 1e-4)

@@ -9,7 +9,7 @@ import shapely
 from debrisflow.case.bodies import PolygonObstacle
 from debrisflow.neighbors.quadrant import GX, HX, SUMS, TXX, TXY, TYY, VX, N
 from debrisflow.neighbors.rows import add_row
-from debrisflow.schemes.surfaces import surfaces_of
+from debrisflow.schemes.surfaces import walls_of
 from debrisflow.space.polygons import in_polygon, push_off_polygon, sides_of
 from debrisflow.space.walls import wall_points
 from tests.building import tank_case
@@ -37,7 +37,7 @@ def polygon(corners, name="sill", **more):
 def felt(case, places):
     """Return what is felt of the walls of a case at places, (n, 2) array, m."""
     position = np.pad(np.array(places, dtype=float), ((0, 0), (0, 1)))
-    surfaces = surfaces_of(case, 0.3)
+    surfaces = walls_of(case, 0.3)[0]
     surfaces.build(position, 0.3 * case.particles.spacing)
     return surfaces.survey(position)
 

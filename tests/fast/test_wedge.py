@@ -9,7 +9,7 @@ from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.results import open_run
 from debrisflow.run.loop import simulate
-from debrisflow.schemes.surfaces import surfaces_of
+from debrisflow.schemes.surfaces import walls_of
 
 D0, TOE, SLOPE = 0.05, 1.5, 2.0 / 15.0
 ON_A_PLANE = 6.809  # n of a half space half a spacing under a particle
@@ -37,7 +37,7 @@ def case(**tables):
 def density_on_the_slope(x):
     """Return n of the walls half a spacing over the slope."""
     place = np.stack([x, SLOPE * (x - TOE) + 0.5 * D0 * np.hypot(1.0, SLOPE), 0.0 * x], axis=1)
-    surfaces = surfaces_of(case(), skin=0.3)
+    surfaces = walls_of(case(), skin=0.3)[0]
     surfaces.build(place, 0.01)
     found = surfaces.survey(place)
     return found.sums[found.row, 0]
