@@ -385,3 +385,13 @@ def test_the_report_has_a_table_of_probes(folder):
     assert "<h3>Probes</h3>" in page
     assert "0.05 s" in page
     assert "gauge" in page
+
+
+def test_the_extremes_of_single_steps_do_not_set_the_scale_of_a_panel():
+    values = pulse(TIME)
+    greatest = np.where(TIME[50] == TIME, 50.0 * values.max(), values)
+    figure = probe_figure([curve_of(values, greatest=greatest)], [])
+    (low, high), panel = figure.axes[0].get_ylim(), figure.axes[0]
+    assert low <= values.min()
+    assert values.max() < high < 1.5 * values.max()
+    assert panel.collections[0].get_paths()[0].vertices[:, 1].max() == greatest.max()

@@ -52,17 +52,25 @@ def probe_figure(curves: Sequence[ProbeCurve], given: Sequence[Reference]) -> Fi
     for part, one in zip(shown, axes, strict=True):
         for curve, color in zip(part, CYCLE, strict=False):
             words = curve.column.replace("_", " ")
-            if np.any(curve.least < curve.greatest):
-                one.fill_between(
-                    curve.time, curve.least, curve.greatest, color=color, alpha=0.15, linewidth=0.0
-                )
             one.plot(curve.time, curve.values, color=color, linewidth=THIN, alpha=0.5)
             one.plot(curve.time, curve.smooth, color=color, label=words)
             _draw_references(one, given, curve, color)
+        _draw_extremes(one, part)
         _name(one, part[0])
     _finish(axes, len(parts))
     legend(*axes)
     return figure
+
+
+def _draw_extremes(axes: Axes, part: Sequence[ProbeCurve]) -> None:
+    """Draw the extremes of steps as bands, which do not set the scale: one step may press hard."""
+    scale = axes.get_ylim()
+    for curve, color in zip(part, CYCLE, strict=False):
+        if np.any(curve.least < curve.greatest):
+            axes.fill_between(
+                curve.time, curve.least, curve.greatest, color=color, alpha=0.15, linewidth=0.0
+            )
+    axes.set_ylim(scale)
 
 
 def _draw_references(axes: Axes, given: Sequence[Reference], curve: ProbeCurve, color: str) -> None:
