@@ -16,6 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.case.reference_systems import METRE
+
 Floats = NDArray[np.float64]
 NODATA = -9999.0
 ASCII = (".asc", ".agr", ".grd")
@@ -23,7 +25,6 @@ INSTALL = 'is read by rasterio, which is not installed: pip install "debrisflow[
 LARGEST_NUMBER = 1.0e30  # what lies beyond stands for "no data" in many programs
 MOST_CELLS = 400_000_000  # 3 GiB of levels
 UNEVEN = 1.0e-6  # by which the sides of a cell may differ
-METRE = re.compile(r"met(er|re)s?|m", re.IGNORECASE)
 
 
 class UnreadableRasterError(ValueError):

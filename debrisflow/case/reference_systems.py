@@ -1,0 +1,71 @@
+"""Coordinate reference systems of maps: which may be computed in, and whether two are the same.
+
+The names of authorities are looked up by rasterio; without it only what a name itself says is
+known.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+GEOGRAPHIC = re.compile(
+    r"^\s*(GEOGCS|GEOGCRS|GEODCRS)\b|CRS:?:?(84|83|27)$|EPSG:+(4326|4258|4269|4267|4283|4612|6668)$",
+    re.IGNORECASE,
+)
+METRE = re.compile(r"met(er|re)s?|m", re.IGNORECASE)
+INSTEAD = "project it to that of the DEM, a system in meters"
+
+
+def wkt_of(name: str) -> str:
+    """Return a system, by its name of an authority or as WKT, as WKT; as it is if it is unknown."""
+    crs = _known(name)
+    return str(crs.to_wkt()) if crs is not None else name
+
+
+def fault_of_system(name: str) -> str:
+    """Return why nothing can be computed in a system, in words that follow a file; else nothing.
+
+    Examples
+    --------
+    >>> fault_of_system("urn:ogc:def:crs:OGC:1.3:CRS84").split(";")[0]
+    'has geographic coordinates (urn:ogc:def:crs:OGC:1.3:CRS84: degrees)'
+    >>> fault_of_system("")
+    ''
+    """
+    crs = _known(name)
+    if GEOGRAPHIC.search(name) or (crs is not None and crs.is_geographic):
+        short = name if crs is None or len(name) < 40 else crs.to_string()
+        short = short if len(short) < 40 else "longitude and latitude"
+        return f"has geographic coordinates ({short}: degrees); {INSTEAD}"
+    unit = crs.linear_units if crs is not None and crs.is_projected else "m"
+    if not METRE.fullmatch(unit or "m"):
+        return f"has coordinates in {unit}; {INSTEAD}"
+    return ""
+
+
+def differ(one: str, other: str) -> bool:
+    """Return whether two systems are known to differ; one that is not told is taken as the same.
+
+    Examples
+    --------
+    >>> differ("", "EPSG:32610"), differ("EPSG:32610", "EPSG:32610")
+    (False, False)
+    """
+    if not one or not other or one == other:
+        return False
+    systems = _known(one), _known(other)
+    return None not in systems and systems[0] != systems[1]
+
+
+def _known(name: str) -> Any:
+    """Return a system of rasterio; None where that is not installed or does not know it."""
+    try:
+        from rasterio.crs import CRS
+        from rasterio.errors import CRSError
+    except ImportError:
+        return None
+    try:
+        return CRS.from_user_input(name) if name else None
+    except CRSError:
+        return None

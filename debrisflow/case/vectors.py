@@ -1,0 +1,294 @@
+"""Polygons and lines on a map, read from and written to files.
+
+GeoJSON is read and written here; GeoPackage, Shapefile and whatever else GDAL knows by pyogrio,
+which is imported by what needs it, since most cases have no terrain.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+import shapely.geometry
+import shapely.geometry.polygon
+
+from debrisflow.case.reference_systems import fault_of_system, wkt_of
+
+GEOJSON = (".geojson", ".json")
+INSTALL = 'is read by pyogrio, which is not installed: pip install "debrisflow[terrain]"'
+WANTED = {"Polygon": "polygons", "LineString": "lines"}
+
+
+class UnreadableVectorsError(ValueError):
+    """Why a file gives no polygons or lines, in words that follow its name."""
+
+
+class Polygons(NamedTuple):
+    """Polygons on a map.
+
+    Attributes
+    ----------
+    shapes : tuple of shapely.Polygon
+        One at least, valid, without levels; those of several parts are taken apart.
+    crs : str
+        Coordinate reference system as WKT, or by its name where that is not known; empty where the
+        file tells none.
+    """
+
+    shapes: tuple[shapely.Polygon, ...]
+    crs: str
+
+
+class Lines(NamedTuple):
+    """Lines on a map, as :class:`Polygons` are."""
+
+    shapes: tuple[shapely.LineString, ...]
+    crs: str
+
+
+def read_polygons(path: Path) -> Polygons:
+    """Return the polygons of a file, holes kept.
+
+    Raises
+    ------
+    UnreadableVectorsError
+        If it cannot be read, holds no polygon or something else, or is measured in degrees or
+        feet.  A file of GeoJSON without a system may be in degrees: see :func:`look_like_degrees`.
+    """
+    shapes, crs = _read(path, "Polygon", _stamp(path))
+    return Polygons(shapes, crs)
+
+
+def read_lines(path: Path) -> Lines:
+    """Return the lines of a file; errors as those of :func:`read_polygons`."""
+    shapes, crs = _read(path, "LineString", _stamp(path))
+    return Lines(shapes, crs)
+
+
+def look_like_degrees(shapes: Sequence[Any]) -> bool:
+    """Return whether coordinates may be longitudes and latitudes, which a small map may be too.
+
+    Examples
+    --------
+    >>> look_like_degrees([shapely.box(-122.2, 46.2, -122.1, 46.3)])
+    True
+    >>> look_like_degrees([shapely.box(562000.0, 5118000.0, 562100.0, 5118100.0)])
+    False
+    """
+    west, south, east, north = shapely.total_bounds(list(shapes))
+    return bool(west >= -180.0 and east <= 180.0 and south >= -90.0 and north <= 90.0)
+
+
+def write_polygons(
+    path: Path,
+    polygons: Sequence[shapely.Polygon | shapely.MultiPolygon],
+    attributes: Mapping[str, Sequence[Any]] | None = None,
+    crs: str = "",
+) -> None:
+    """Write polygons to a file of GeoJSON, or with pyogrio to a GeoPackage.
+
+    GeoJSON names its system in the member ``crs``, which GIS programs still read, since the
+    coordinates are those of the map and not degrees.
+
+    Parameters
+    ----------
+    path : Path
+        Its ending, ``.geojson`` or ``.gpkg``, tells the format.
+    polygons : sequence of shapely.Polygon or shapely.MultiPolygon
+    attributes : mapping of str to sequence, optional
+        Columns of a value for each polygon: numbers, text, None or nan where there is none.
+    crs : str
+        As WKT, or by its name of an authority.
+
+    Raises
+    ------
+    OSError
+    UnreadableVectorsError
+        If pyogrio is not installed.
+    """
+    columns = dict(attributes or {})
+    if path.suffix.lower() in GEOJSON:
+        _write_geojson(path, polygons, columns, crs)
+    else:
+        _write_by_gdal(path, polygons, columns, crs)
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """Return what tells that a file has not changed."""
+    try:
+        state = path.stat()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise UnreadableVectorsError(f"cannot be read: {reason}") from error
+    return state.st_mtime_ns, state.st_size
+
+
+@lru_cache(maxsize=32)
+def _read(path: Path, kind: str, stamp: tuple[int, int]) -> tuple[tuple[Any, ...], str]:
+    """Return the shapes of a kind in a file, and its system."""
+    is_json = path.suffix.lower() in GEOJSON
+    found, crs = _read_geojson(path) if is_json else _read_by_gdal(path)
+    if fault := fault_of_system(crs):
+        raise UnreadableVectorsError(fault)
+    shapes = []
+    for shape in _parts(found):
+        if shape.geom_type != kind:
+            raise UnreadableVectorsError(
+                f"holds a {shape.geom_type} where {WANTED[kind]} are wanted"
+            )
+        if not np.isfinite(shapely.get_coordinates(shape)).all():
+            raise UnreadableVectorsError("has a coordinate that is no number")
+        if kind == "Polygon" and not shape.is_valid:
+            reason = shapely.is_valid_reason(shape)
+            raise UnreadableVectorsError(f"has a polygon that crosses or touches itself: {reason}")
+        shapes.append(shape)
+    if not shapes:
+        raise UnreadableVectorsError(f"holds no {WANTED[kind]}")
+    return tuple(shapes), wkt_of(crs)
+
+
+def _parts(shapes: Sequence[Any]) -> Iterator[Any]:
+    """Yield the single shapes of collections, without levels."""
+    for shape in shapes:
+        if shape is None or shape.is_empty:
+            continue
+        if hasattr(shape, "geoms"):
+            yield from _parts(shape.geoms)
+        else:
+            flat = shapely.force_2d(shape)
+            is_ring = flat.geom_type == "LinearRing"
+            yield shapely.LineString(flat.coords) if is_ring else flat
+
+
+def _read_geojson(path: Path) -> tuple[list[Any], str]:
+    try:
+        data = json.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise UnreadableVectorsError(f"cannot be read: {reason}") from error
+    except ValueError as error:  # of JSON and of UTF-8
+        raise UnreadableVectorsError(f"is not GeoJSON: {error}") from error
+    try:
+        return [shapely.geometry.shape(part) for part in _geometries(data)], _crs_of(data)
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+        reason = f"lacks {error}" if isinstance(error, KeyError) else str(error)
+        raise UnreadableVectorsError(f"is not GeoJSON: {reason}") from error
+    except shapely.errors.ShapelyError as error:
+        raise UnreadableVectorsError(f"is not GeoJSON: {error}") from error
+
+
+def _geometries(data: Any) -> Iterator[dict[str, Any]]:
+    """Yield the geometries of GeoJSON."""
+    kind = data["type"]
+    if kind == "FeatureCollection":
+        for feature in data["features"]:
+            yield from _geometries(feature)
+    elif kind == "Feature":
+        if data["geometry"] is not None:
+            yield data["geometry"]
+    else:
+        yield data
+
+
+def _crs_of(data: Any) -> str:
+    """Return the name of the system in the member ``crs``, which the format had until 2016."""
+    member = data.get("crs")
+    name = member["properties"]["name"] if member and member["type"] == "name" else ""
+    if not isinstance(name, str):
+        raise TypeError("the name of its system is no text")
+    return name
+
+
+def _read_by_gdal(path: Path) -> tuple[list[Any], str]:
+    pyogrio = _pyogrio()
+    try:
+        layers = [name for name, kind in pyogrio.list_layers(path) if kind is not None]
+        if len(layers) > 1:
+            raise UnreadableVectorsError(
+                f"has {len(layers)} layers ({', '.join(layers)}); save the one that is meant alone"
+            )
+        if not layers:
+            return [], ""
+        meta, _, shapes, _ = pyogrio.raw.read(path, layer=layers[0], columns=[], force_2d=True)
+    except pyogrio.errors.DataSourceError as error:
+        raise UnreadableVectorsError(f"cannot be read as polygons or lines: {error}") from error
+    return list(shapely.from_wkb(shapes)), meta["crs"] or ""
+
+
+def _pyogrio() -> Any:
+    try:
+        import pyogrio
+        import pyogrio.raw
+    except ImportError as error:
+        raise UnreadableVectorsError(INSTALL) from error
+    return pyogrio
+
+
+def _write_geojson(
+    path: Path, polygons: Sequence[Any], columns: Mapping[str, Sequence[Any]], crs: str
+) -> None:
+    data: dict[str, Any] = {"type": "FeatureCollection"}
+    if crs:
+        data["crs"] = {"type": "name", "properties": {"name": _name_of(crs)}}
+    data["features"] = [
+        {
+            "type": "Feature",
+            "properties": {name: _plain(values[k]) for name, values in columns.items()},
+            "geometry": shapely.geometry.mapping(_counterclockwise(polygon)),
+        }
+        for k, polygon in enumerate(polygons)
+    ]
+    path.write_text(json.dumps(data, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def _name_of(crs: str) -> str:
+    """Return a system by the name that an authority gives it, where one does."""
+    try:
+        from rasterio.crs import CRS
+    except ImportError:
+        return crs
+    authority = CRS.from_user_input(crs).to_authority()
+    return "urn:ogc:def:crs:{}::{}".format(*authority) if authority else crs
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON knows it."""
+    value = value.item() if hasattr(value, "item") else value
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _counterclockwise(polygon: Any) -> Any:
+    """Return a polygon, or one of several parts, whose outer rings run as GeoJSON has them."""
+    orient = shapely.geometry.polygon.orient
+    if isinstance(polygon, shapely.MultiPolygon):
+        return shapely.MultiPolygon([orient(part) for part in polygon.geoms])
+    return orient(polygon)
+
+
+def _write_by_gdal(
+    path: Path, polygons: Sequence[Any], columns: Mapping[str, Sequence[Any]], crs: str
+) -> None:
+    pyogrio = _pyogrio()
+    parts = [
+        shapely.MultiPolygon([shape]) if isinstance(shape, shapely.Polygon) else shape
+        for shape in polygons
+    ]
+    path.unlink(missing_ok=True)
+    with warnings.catch_warnings():  # of a map whose system is not told
+        warnings.filterwarnings("ignore", message="'crs' was not provided")
+        pyogrio.raw.write(
+            path,
+            np.array(shapely.to_wkb(parts), dtype=object),
+            [np.asarray(values) for values in columns.values()],
+            list(columns),
+            driver="GPKG",
+            layer=path.stem,
+            geometry_type="MultiPolygon",
+            crs=crs or None,
+        )
