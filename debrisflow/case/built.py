@@ -18,6 +18,8 @@ from debrisflow.case.regions import TOLERANCE, bed_end, least_period, section_of
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.shapes import Channel3D, Geometry, Tank, Tank3D
 from debrisflow.case.tables import Inflow, Particles
+from debrisflow.case.terrain import Terrain
+from debrisflow.case.terrain_built import built_terrain
 
 DIGITS = 12  # significant ones of a length that is built, so that it reads as people write it
 LARGEST_MISFIT = 0.1  # of a length, between what is asked and what is built
@@ -69,6 +71,9 @@ def as_built(tables: Mapping[str, Any]) -> dict[str, Any]:
     if not {"geometry", "particles"} <= set(tables):
         return {}
     asked, particles = tables["geometry"], tables["particles"]
+    if isinstance(asked, Terrain):
+        ground = built_terrain(asked, particles, tables.get("release", ()))
+        return {} if ground == asked else {"geometry": ground}
     shape = _geometry(asked, particles)
     both = {
         axis: list(zip(places, walls_along(shape, particles)[axis], strict=True))
@@ -95,7 +100,7 @@ def roundings(case: ResolvedCase) -> list[Rounded]:
 
     None of a case that is read back from a run.
     """
-    if case.asked is None:
+    if case.asked is None or isinstance(case.geometry, Terrain):
         return []
     return [
         row._replace(key=named(row.key, dict(case)))
@@ -161,6 +166,8 @@ def _geometry(shape: Geometry, particles: Particles) -> Geometry:
 
 def walls_along(shape: Geometry, particles: Particles) -> dict[str, list[float]]:
     """Return where along each axis there are walls, m."""
+    if isinstance(shape, Terrain):
+        return {}
     if isinstance(shape, Tank):
         return {"x": [0.0, shape.length], "y": [0.0, shape.height]}
     if isinstance(shape, Tank3D):

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from inspect import signature
-from itertools import pairwise
 from math import hypot, isclose, sqrt
 from typing import Any
 
@@ -18,6 +17,7 @@ from debrisflow.case import (
     probe_checks,
     rheology_checks,
     space_checks,
+    terrain_checks,
     weakly_compressible_checks,
 )
 from debrisflow.case.bodies import MeshFill
@@ -29,9 +29,11 @@ from debrisflow.case.defaults import (
     viscous_limits,
 )
 from debrisflow.case.estimate import available_memory, estimate, size
+from debrisflow.case.hydrograph import faults_of
 from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
+from debrisflow.case.releases import AnyRelease, HydrographRelease
 from debrisflow.case.rheology import Rheology
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Geometry, is_three_dimensional
 from debrisflow.case.tables import (
@@ -46,9 +48,11 @@ from debrisflow.case.tables import (
     Scheme,
     Time,
 )
+from debrisflow.case.terrain import Terrain
 from debrisflow.case.words import ABSENT
 
 Fill = tuple[AnyFill, ...]
+Releases = tuple[AnyRelease, ...]
 
 
 def cross_check(tables: Mapping[str, Any]) -> list[Problem]:
@@ -57,6 +61,7 @@ def cross_check(tables: Mapping[str, Any]) -> list[Problem]:
     Lengths are judged as they are built, and named as they are asked.
     """
     found = list(_problems(AS_ASKED, tables))
+    tables = _without_wrong_maps(tables, found)
     told, built = {problem.key for problem in found}, as_built(tables)
     for problem in _problems(CHECKS, {**tables, **built}):
         if problem.key in told:
@@ -65,6 +70,14 @@ def cross_check(tables: Mapping[str, Any]) -> list[Problem]:
             problem = problem._replace(value=_value_at(problem.key, tables) or problem.value)
         found.append(problem)
     return found
+
+
+def _without_wrong_maps(tables: Mapping[str, Any], found: list[Problem]) -> dict[str, Any]:
+    """Return tables without those of a terrain that nothing can be built of."""
+    wrong = {problem.key.partition(".")[0] for problem in found}
+    is_terrain = isinstance(tables.get("geometry"), Terrain)
+    unusable = wrong & ({"geometry", "release", "zone"} if is_terrain else {"release", "zone"})
+    return {name: table for name, table in tables.items() if name not in unusable}
 
 
 def _problems(checks: Sequence[Callable[..., Problems]], tables: Mapping[str, Any]) -> Problems:
@@ -83,9 +96,14 @@ def _value_at(key: str, tables: Mapping[str, Any]) -> Any:
     return value
 
 
-def anything_to_compute(fill: Fill, inflow: Inflow | None) -> Problems:
+def anything_to_compute(
+    fill: Fill, inflow: Inflow | None, release: Releases, geometry: Geometry
+) -> Problems:
     """Check that there is something to compute."""
-    if not fill and inflow is None:
+    if isinstance(geometry, Terrain):
+        if not release:
+            yield Problem("release", "nothing flows: give at least one [[release]]")
+    elif not fill and inflow is None:
         yield Problem("fill", "no particles: give at least one [[fill]] or an [inflow]")
 
 
@@ -112,6 +130,10 @@ def shares_of_sediment(fill: Fill) -> Problems:
 def inflow_in_channel(inflow: Inflow | None, geometry: Geometry) -> Problems:
     """Check that a supply enters the open end of a channel, below its height."""
     if inflow is None:
+        return
+    if isinstance(geometry, Terrain):
+        message = "a terrain has none; use a [[release]] with type = 'hydrograph'"
+        yield Problem("inflow", message)
         return
     if not isinstance(geometry, ChannelShape):
         shape = "channel3d" if is_three_dimensional(geometry) else "channel"
@@ -172,26 +194,7 @@ def hydrograph_in_order(inflow: Inflow | None) -> Problems:
     graph = inflow.hydrograph if inflow else None
     if graph is None or isinstance(graph, str):
         return
-    key = "inflow.hydrograph"
-    for name in ("discharge", "concentration"):
-        count = len(getattr(graph, name))
-        if count != len(graph.time):
-            yield Problem(
-                f"{key}.{name}", f"must have a value for each time, {len(graph.time)}, not {count}"
-            )
-    if not graph.time:
-        yield Problem(f"{key}.time", "is empty")
-    elif graph.time[0] > 0:
-        yield Problem(f"{key}.time.0", "the first time must be 0 or before", graph.time[0])
-    for k, (before, after) in enumerate(pairwise(graph.time), start=1):
-        if after <= before:
-            yield Problem(
-                f"{key}.time.{k}", f"must be later than the one before, {before:g} s", after
-            )
-    for name in ("discharge", "concentration"):
-        for k, value in enumerate(getattr(graph, name)):
-            if value < 0:
-                yield Problem(f"{key}.{name}.{k}", "must be at least 0", value)
+    yield from faults_of(graph, "inflow.hydrograph")
 
 
 def concentrations_below_packing(
@@ -200,10 +203,14 @@ def concentrations_below_packing(
     collision_stress: CollisionStress,
     fill: Fill,
     inflow: Inflow | None,
+    release: Releases,
 ) -> Problems:
     """Check that no concentration that is used, or was set, reaches that of a packing."""
+    masses = [part for part in release if not isinstance(part, HydrographRelease)]
     stated: dict[str, float] = {}
-    if any(part.material == "mixture" for part in fill) or was_set(mixture, "concentration"):
+    if "mixture" in {part.material for part in (*fill, *masses)} or was_set(
+        mixture, "concentration"
+    ):
         stated["mixture.concentration"] = mixture.concentration
     if collision_stress.enabled or was_set(collision_stress, "largest_concentration"):
         stated["collision_stress.largest_concentration"] = collision_stress.largest_concentration
@@ -213,6 +220,15 @@ def concentrations_below_packing(
             stated |= {
                 f"inflow.hydrograph.concentration.{k}": value
                 for k, value in enumerate(inflow.hydrograph.concentration)
+            }
+    for number, part in enumerate(release):
+        if not isinstance(part, HydrographRelease):
+            if part.concentration is not None:
+                stated[f"release.{number}.concentration"] = part.concentration
+        elif not isinstance(part.hydrograph, str):
+            stated |= {
+                f"release.{number}.hydrograph.concentration.{k}": value
+                for k, value in enumerate(part.hydrograph.concentration)
             }
     for key, value in stated.items():
         if value >= sediment.packing_limit:
@@ -229,10 +245,10 @@ def collisions_within_clip(collision_stress: CollisionStress) -> Problems:
 
 
 def slip_of_pure_phases(
-    drag: Drag, fill: Fill, inflow: Inflow | None, geometry: Geometry
+    drag: Drag, fill: Fill, inflow: Inflow | None, geometry: Geometry, release: Releases
 ) -> Problems:
     """Check that slip, which is between sediment and water, meets no mixture particles."""
-    materials = phases(fill, inflow, geometry)
+    materials = phases(fill, inflow, geometry, release)
     if drag.law != "none" and "mixture" in materials and len(materials) > 1:
         message = (
             "acts between sediment and water particles, and not on those of a mixture beside them; "
@@ -253,11 +269,14 @@ def step_within_limits(
     rheology: Rheology,
     gravity: Gravity,
     scheme: AnyScheme,
+    release: Releases,
 ) -> Problems:
     """Check that the largest step keeps within the limits of explicit viscosity and gravity."""
     if time.largest_step is None:
         return
-    limits = viscous_limits(particles, fill, inflow, geometry, water, sediment, mixture, rheology)
+    limits = viscous_limits(
+        particles, fill, inflow, geometry, water, sediment, mixture, rheology, release
+    )
     phase = min(limits, key=lambda name: limits[name], default=None)
     fall = hypot(*gravity.components)
     if phase and time.largest_step > limits[phase] * (1 + TOLERANCE):
@@ -313,9 +332,10 @@ def memory_suffices(
     fill: Fill,
     inflow: Inflow | None,
     scheme: AnyScheme,
+    release: Releases,
 ) -> Problems:
     """Check that the particles fit into the memory that is free."""
-    expected = estimate(particles, geometry, obstacle, fill, inflow, scheme)
+    expected = estimate(particles, geometry, obstacle, fill, inflow, scheme, release)
     available = available_memory()
     if available is not None and expected["memory"] > available:
         message = (
@@ -327,6 +347,7 @@ def memory_suffices(
 
 AS_ASKED: tuple[Callable[..., Problems], ...] = (
     *space_checks.AS_ASKED,
+    *terrain_checks.AS_ASKED,
     supply_across_channel,
     one_way_of_supply,
 )
@@ -348,5 +369,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     step_within_limits,
     density_relaxation_slow,
     *probe_checks.CHECKS,
+    *terrain_checks.CHECKS,
     memory_suffices,
 )

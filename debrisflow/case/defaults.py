@@ -6,10 +6,12 @@ Completing a completed case changes nothing.
 from __future__ import annotations
 
 from math import hypot, inf, sqrt
+from typing import Any
 
 from debrisflow.case.built import as_built
 from debrisflow.case.materials import Mixture, Sediment, Water, bulk_density
 from debrisflow.case.regions import bed_end, extent_across, section_of_supply
+from debrisflow.case.releases import AnyRelease, HydrographRelease, Zone
 from debrisflow.case.resolved import (
     AnyResolvedScheme,
     ResolvedCase,
@@ -20,6 +22,7 @@ from debrisflow.case.resolved import (
     ResolvedInflow,
     ResolvedOutput,
     ResolvedScheme,
+    ResolvedTerrain,
     ResolvedTime,
     SteadyInflow,
     UnsteadyInflow,
@@ -27,7 +30,7 @@ from debrisflow.case.resolved import (
 )
 from debrisflow.case.rheology import NoStrength, Rheology
 from debrisflow.case.shapes import Channel, Channel3D, Geometry, is_three_dimensional
-from debrisflow.case.speeds import fall_speed, given_speed
+from debrisflow.case.speeds import collapse_speed, fall_speed, given_speed
 from debrisflow.case.tables import (
     AnyFill,
     Case,
@@ -39,6 +42,9 @@ from debrisflow.case.tables import (
     Scheme,
     Walls,
 )
+from debrisflow.case.terrain import Terrain
+from debrisflow.case.terrain_built import built_releases, built_terrain, over_origin
+from debrisflow.case.terrain_speeds import expected_speed
 from debrisflow.errors import CaseError
 
 RELAXATION_STEPS = 50
@@ -47,6 +53,7 @@ LARGEST_DIFFUSION = 0.3
 LARGEST_PATH = 0.2  # spacings that a particle moves in a step of the explicit scheme
 VISCOUS_LIMIT = 0.2  # of an explicit step, in d0^2 / nu
 LEAST_SOUND_RATIO = 10.0
+TERRAIN_SOUND_RATIO = 6.0  # to an upper estimate of the speed, which most of the flow is far below
 FEWEST_RELAXATION_STEPS = 10
 NO_SUPPLY = "missing: give a discharge, a velocity or a hydrograph"
 
@@ -79,7 +86,14 @@ def complete(case: Case) -> ResolvedCase:
         asked, case = case, Case(**(dict(case) | built))
     if isinstance(case.scheme, ExplicitScheme):
         fastest = case.scheme.sound_speed or sound_speed(
-            case.fill, case.inflow, case.geometry, case.particles, case.gravity, case.walls
+            case.fill,
+            case.inflow,
+            case.geometry,
+            case.particles,
+            case.gravity,
+            case.walls,
+            case.release,
+            case.zone,
         )
         step = min(acoustic_step(case.scheme, fastest, case.particles), *_viscous_steps(case))
         collides = 0.0 if isinstance(case.rheology, NoStrength) else GRAINS_COLLIDE
@@ -93,7 +107,7 @@ def complete(case: Case) -> ResolvedCase:
     else:
         step = min(_outer_limit(case, case.scheme.courant), *_viscous_steps(case))
         scheme = _scheme(case.scheme, step, case.time.largest_step or step)
-    found = {
+    found: dict[str, Any] = {
         "geometry": _geometry(case.geometry, case.particles),
         "inflow": _inflow(case.inflow, case.geometry),
         "scheme": scheme,
@@ -101,6 +115,9 @@ def complete(case: Case) -> ResolvedCase:
         "output": _output(case.output),
         "probe": tuple(probe.complete(case.particles.spacing) for probe in case.probe),
     }
+    if isinstance(case.geometry, ResolvedTerrain):
+        found["release"] = built_releases(case.release, case.geometry, case.mixture)
+        found |= over_origin(dict(case) | found)
     return ResolvedCase(**(dict(case) | found)).keep(asked, former_names)
 
 
@@ -113,6 +130,7 @@ def viscous_limits(
     sediment: Sediment,
     mixture: Mixture,
     rheology: Rheology,
+    release: tuple[AnyRelease, ...] = (),
 ) -> dict[str, float]:
     """Return the time step, s, that the explicit viscosity of each phase present allows.
 
@@ -123,7 +141,7 @@ def viscous_limits(
         return {}
     solid = mixture.concentration
     if is_three_dimensional(geometry):
-        solid = min(solid, *_carried(inflow), 1.0)
+        solid = min(solid, *_carried(inflow), *_released(release), 1.0)
     mixed_density = bulk_density(solid, water, sediment, rheology)
     properties = {
         "water": (water.density, water.viscosity),
@@ -133,13 +151,20 @@ def viscous_limits(
     return {
         phase: VISCOUS_LIMIT * particles.spacing * particles.spacing * density / viscosity
         for phase, (density, viscosity) in properties.items()
-        if viscosity > 0 and phase in phases(fill, inflow, geometry)
+        if viscosity > 0 and phase in phases(fill, inflow, geometry, release)
     }
 
 
-def phases(fill: tuple[AnyFill, ...], inflow: Inflow | None, geometry: Geometry) -> set[str]:
-    """Return which of water, sediment and mixture the fills and the supply bring."""
+def phases(
+    fill: tuple[AnyFill, ...],
+    inflow: Inflow | None,
+    geometry: Geometry,
+    release: tuple[AnyRelease, ...] = (),
+) -> set[str]:
+    """Return which of water, sediment and mixture fills, releases and the supply bring."""
     materials: set[str] = {part.material for part in fill}
+    materials |= {part.material for part in release if not isinstance(part, HydrographRelease)}
+    materials |= {"mixture" if share > 0 else "water" for share in _entering(release)}
     present = materials - {"two-phase"}
     if "two-phase" in materials:
         present |= {"water", "sediment"}
@@ -160,12 +185,26 @@ def _carried(inflow: Inflow | None) -> tuple[float, ...]:
     return (inflow.concentration,) if graph is None else graph.concentration
 
 
+def _entering(release: tuple[AnyRelease, ...]) -> tuple[float, ...]:
+    """Return the concentrations that the hydrographs of releases state."""
+    graphs = [part.hydrograph for part in release if isinstance(part, HydrographRelease)]
+    return tuple(
+        share for graph in graphs if not isinstance(graph, str) for share in graph.concentration
+    )
+
+
+def _released(release: tuple[AnyRelease, ...]) -> tuple[float, ...]:
+    """Return the concentrations that releases state of mixtures."""
+    stated = [part.concentration for part in release if not isinstance(part, HydrographRelease)]
+    return (*_entering(release), *(share for share in stated if share is not None))
+
+
 def _geometry(geometry: Geometry, particles: Particles) -> ResolvedGeometry:
     if isinstance(geometry, Channel):
         return resolved(ResolvedChannel, geometry, bed_end=bed_end(geometry, particles))
     if isinstance(geometry, Channel3D):
         return resolved(ResolvedChannel3D, geometry, bed_end=bed_end(geometry, particles))
-    return geometry
+    return built_terrain(geometry, particles) if isinstance(geometry, Terrain) else geometry
 
 
 def _scheme(scheme: Scheme, step: float, largest: float) -> ResolvedScheme:
@@ -213,8 +252,18 @@ def sound_speed(
     particles: Particles,
     gravity: Gravity,
     walls: Walls,
+    release: tuple[AnyRelease, ...] = (),
+    zone: tuple[Zone, ...] = (),
 ) -> float:
-    """Return ten times the largest speed that a case gives or a free fall reaches, m/s."""
+    """Return ten times the largest speed that a case gives or a free fall reaches, m/s.
+
+    On a terrain six times that which friction lets the flow reach at most, see
+    :func:`debrisflow.case.terrain_speeds.expected_speed`.
+    """
+    if isinstance(geometry, Terrain):
+        given = given_speed(fill, inflow, geometry, walls, release)
+        speed = expected_speed(geometry, release, zone, walls.floor, gravity)
+        return TERRAIN_SOUND_RATIO * max(given, speed)
     fall = fall_speed(fill, inflow, geometry, particles, gravity, to_floor=True)
     return LEAST_SOUND_RATIO * (fall + given_speed(fill, inflow, geometry, walls))
 
@@ -225,8 +274,9 @@ def acoustic_step(scheme: ExplicitScheme, sound_speed: float, particles: Particl
 
 
 def _fall_time(case: Case) -> float:
-    """Return the time of a free fall through the height of the fills, s; 0 without gravity."""
+    """Return the time of a free fall through the height of what flows, s; 0 without gravity."""
     fall = fall_speed(case.fill, case.inflow, case.geometry, case.particles, case.gravity)
+    fall = max(fall, collapse_speed(case.release, case.gravity))
     magnitude = hypot(*case.gravity.components)
     return fall / magnitude if magnitude > 0 else 0.0
 
@@ -242,6 +292,7 @@ def _viscous_steps(case: Case) -> tuple[float, ...]:
         case.sediment,
         case.mixture,
         case.rheology,
+        case.release,
     )
     return (inf, *limits.values())
 
@@ -256,6 +307,6 @@ def _outer_limit(case: Case, courant: float) -> float:
     magnitude = hypot(*case.gravity.components)
     if magnitude > 0:
         return 0.03 * sqrt(case.particles.spacing / magnitude)
-    speed = given_speed(case.fill, case.inflow, case.geometry, case.walls)
+    speed = given_speed(case.fill, case.inflow, case.geometry, case.walls, case.release)
     path = courant * case.particles.spacing / speed if speed > 0 else inf
     return min(case.output.interval / 10, path)

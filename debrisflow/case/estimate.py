@@ -15,6 +15,8 @@ from debrisflow.case.regions import (
     surface_of,
     volume_left,
 )
+from debrisflow.case.released import volume
+from debrisflow.case.releases import AnyRelease, HydrographRelease
 from debrisflow.case.shapes import (
     Channel,
     Channel3D,
@@ -31,6 +33,7 @@ from debrisflow.case.tables import (
     Inflow,
     Particles,
 )
+from debrisflow.case.terrain import Terrain
 
 # Measured on dam breaks: 2,700 bytes a particle at an influence radius of 3.1, 5,350 at 5.0.  The
 # second term is the neighbor list, the pair geometry and the linear system.
@@ -55,7 +58,13 @@ def particle_estimate(case: Case) -> dict[str, float]:
         and ``memory`` in bytes.
     """
     return estimate(
-        case.particles, case.geometry, case.obstacle, case.fill, case.inflow, case.scheme
+        case.particles,
+        case.geometry,
+        case.obstacle,
+        case.fill,
+        case.inflow,
+        case.scheme,
+        case.release,
     )
 
 
@@ -66,6 +75,7 @@ def estimate(
     fill: tuple[AnyFill, ...],
     inflow: Inflow | None,
     scheme: AnyScheme,
+    release: tuple[AnyRelease, ...] = (),
 ) -> dict[str, float]:
     """Return the estimate of :func:`particle_estimate` from single tables.
 
@@ -74,6 +84,8 @@ def estimate(
     """
     spacing = particles.spacing
     layers = int(particles.effective_radius) + 1
+    if isinstance(geometry, Terrain):
+        return _estimate_on_terrain(particles, geometry, obstacle, release)
     if isinstance(geometry, Tank3D | Channel3D):
         return _estimate_in_three(particles, geometry, obstacle, fill, inflow)
     areas = [area for part in fill if (area := covered(part, geometry, particles))]
@@ -104,12 +116,9 @@ def _estimate_in_three(
 ) -> dict[str, float]:
     """Return the estimate of a tank or channel in three dimensions, whose walls are surfaces.
 
-    A mesh that is an obstacle takes memory by its surface, the maxima by the plan.
+    The maxima take memory by the plan.
     """
     layers, spacing = int(particles.effective_radius) + 1, particles.spacing
-    surfaces = [surface_of(body) for body in obstacle if isinstance(body, MeshObstacle)]
-    squares = sum(surface.area for surface in surfaces) / spacing / spacing
-    beside = squares * (BYTES_AN_ELEMENT * ELEMENTS + BYTES_BESIDE_A_MESH)
     boxes = [
         area
         for part in fill
@@ -123,7 +132,7 @@ def _estimate_in_three(
         section = section_of_supply(inflow, geometry) / spacing / spacing
         waiting = section * (layers + geometry.length / spacing)
     total = fluid + waiting
-    memory = BYTES_OF_THE_PROGRAM + BYTES_IN_THREE * total + beside
+    memory = BYTES_OF_THE_PROGRAM + BYTES_IN_THREE * total + _memory_of_meshes(obstacle, spacing)
     return {
         "fluid": fluid,
         "inflow": waiting,
@@ -131,6 +140,42 @@ def _estimate_in_three(
         "total": total,
         "memory": memory + BYTES_OF_A_COLUMN * _columns(geometry, spacing),
     }
+
+
+def _estimate_on_terrain(
+    particles: Particles,
+    terrain: Terrain,
+    obstacle: tuple[AnyObstacle, ...],
+    release: tuple[AnyRelease, ...],
+) -> dict[str, float]:
+    """Return the estimate of a terrain: volumes over the cube of the spacing.
+
+    What is set free later, and by hydrographs, counts as inflow.  Surface and layers take memory by
+    the cells of the DEM.
+    """
+    spacing, fluid, waiting = particles.spacing, 0.0, 0.0
+    for part in release:
+        count = volume(part) / spacing / spacing / spacing
+        if isinstance(part, HydrographRelease) or part.start > 0.0:
+            waiting += count
+        else:
+            fluid += count
+    memory = BYTES_OF_THE_PROGRAM + BYTES_IN_THREE * (fluid + waiting)
+    cells = terrain.levels.values.size
+    return {
+        "fluid": fluid,
+        "inflow": waiting,
+        "wall": 0.0,
+        "total": fluid + waiting,
+        "memory": memory + _memory_of_meshes(obstacle, spacing) + BYTES_OF_A_COLUMN * cells,
+    }
+
+
+def _memory_of_meshes(obstacle: tuple[AnyObstacle, ...], spacing: float) -> float:
+    """Return the memory that meshes of wall take, by their surface, bytes."""
+    surfaces = [surface_of(body) for body in obstacle if isinstance(body, MeshObstacle)]
+    squares = sum(surface.area for surface in surfaces) / spacing / spacing
+    return squares * (BYTES_AN_ELEMENT * ELEMENTS + BYTES_BESIDE_A_MESH)
 
 
 def _columns(geometry: Tank3D | Channel3D, spacing: float) -> float:

@@ -19,6 +19,7 @@ from debrisflow.case.defaults import complete
 from debrisflow.case.fields import NONE, Table
 from debrisflow.case.former_names import use_present_names
 from debrisflow.case.hydrograph import inline_hydrograph
+from debrisflow.case.map_files import find_map_files
 from debrisflow.case.meshes import find_meshes
 from debrisflow.case.motion_files import inline_motions
 from debrisflow.case.overrides import apply_overrides
@@ -118,6 +119,8 @@ def _checked(
     former_names += [*renamed, *also_former]
     problems += [*wrong_ones, *given_twice]
     unread = find_meshes(data, folder)
+    for table, reasons in find_map_files(data, folder).items():
+        unread.setdefault(table, []).extend(reasons)
     if supply := inline_hydrograph(data, folder):
         unread["inflow"] = supply
     if moves := inline_motions(data, folder):

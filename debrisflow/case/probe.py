@@ -16,6 +16,7 @@ SIZE = "side of the square, in two dimensions width of the strip, {}; 2 spacings
 SIZE_SPACINGS = 2  # of a size that is left out
 _Any = TypeVar("_Any")
 TOLERANCE = 1e-6  # spacings
+DIGITS = 9  # behind the point, of a place that is measured from another origin
 SLACK = 0.5 + TOLERANCE  # spacings by which a wall may be built beside the place asked
 
 
@@ -165,6 +166,24 @@ class Probe(Table):
     def complete(self, spacing: float) -> Self:
         """Return the probe with the fields filled in that follow from the spacing, m."""
         return self
+
+    def moved(self, by: tuple[float, float, float]) -> Self:
+        """Return the probe at another place, m: its x, y, z, start, end and about, if given."""
+        found: dict[str, Any] = {}
+        for axis, step in zip("xyz", by, strict=True):
+            at = getattr(self, axis, None)
+            if at is not None:
+                ends = tuple(
+                    round(a + step, DIGITS) for a in (at if isinstance(at, tuple) else (at,))
+                )
+                found[axis] = ends if isinstance(at, tuple) else ends[0]
+        for name in {"start", "end", "about"} & self.model_fields_set:
+            at = getattr(self, name)
+            if isinstance(at, tuple):
+                found[name] = tuple(
+                    round(a + step, DIGITS) for a, step in zip(at, by, strict=False)
+                )
+        return self.model_copy(update=found)
 
     def warning(self, spacing: float) -> str:
         """Return what makes its answer poor at a spacing, m; empty if nothing does."""

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 
 from debrisflow.case.probe import Probe, Space
 from debrisflow.case.problems import Problem
-from debrisflow.case.regions import runout_rise
+from debrisflow.case.regions import open_space, runout_rise
+from debrisflow.case.releases import Zone
 from debrisflow.case.shapes import (
     Channel,
     Channel3D,
@@ -17,6 +18,7 @@ from debrisflow.case.shapes import (
     plain_of,
 )
 from debrisflow.case.tables import AnyObstacle, Gravity, Particles
+from debrisflow.case.terrain import Terrain
 
 Problems = Iterator[Problem]
 
@@ -36,15 +38,16 @@ def places_of_probes(
     gravity: Gravity,
     obstacle: tuple[AnyObstacle, ...],
     particles: Particles,
+    zone: tuple[Zone, ...],
 ) -> Problems:
     """Check what each probe asks for: a place in the space, a box with a volume, a known wall."""
     space = Space(
         shape=geometry.type,
         dimension=3 if is_three_dimensional(geometry) else 2,
         spacing=particles.spacing,
-        extents=_extents(geometry, gravity),
+        extents=_extents(geometry, gravity, particles),
         repeats_along_x=geometry.periodic and not isinstance(geometry, Tank3D),
-        planes=_walls(geometry),
+        planes=_walls(geometry) | dict.fromkeys(part.name for part in zone),
         obstacles={part.name: part for part in obstacle},
     )
     for k, one in enumerate(probe):
@@ -52,7 +55,15 @@ def places_of_probes(
             yield Problem(f"probe.{k}.{field}", message, value)
 
 
-def _extents(geometry: Geometry, gravity: Gravity) -> dict[str, tuple[float, float]]:
+def _extents(
+    geometry: Geometry, gravity: Gravity, particles: Particles
+) -> dict[str, tuple[float, float]]:
+    if isinstance(geometry, Terrain):
+        return {
+            axis: (lower, upper)
+            for space in open_space(geometry, particles)
+            for axis, lower, upper in zip("xyz", space.lower, space.upper, strict=True)
+        }
     if isinstance(geometry, Tank3D):
         ends = (geometry.length, geometry.width, geometry.height)
         return {axis: (0.0, end) for axis, end in zip("xyz", ends, strict=True)}
@@ -72,6 +83,8 @@ def _extents(geometry: Geometry, gravity: Gravity) -> dict[str, tuple[float, flo
 def _walls(geometry: Geometry) -> dict[str, tuple[int, float] | None]:
     """Return axis and level of the walls that a geometry has; None for one of several levels."""
     found: dict[str, tuple[int, float] | None]
+    if isinstance(geometry, Terrain):
+        return {"floor": None}
     if isinstance(geometry, Tank3D):
         found = {"floor": (2, 0.0), "left": (0, 0.0), "right": (0, geometry.length)}
         if not geometry.periodic:

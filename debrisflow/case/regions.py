@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
+from debrisflow.case.resolved import MappedTerrain, ResolvedTerrain
 from debrisflow.case.shapes import (
     Channel3D,
     ChannelShape,
@@ -21,6 +22,7 @@ from debrisflow.case.shapes import (
     is_three_dimensional,
 )
 from debrisflow.case.tables import AnyFill, AnyObstacle, Bed, Block, Gravity, Inflow, Particles
+from debrisflow.case.terrain import Terrain
 from debrisflow.case.triangles import Surface, cells_inside, read_surface
 
 WEIR_SPACINGS = 4
@@ -255,6 +257,8 @@ def open_space(geometry: Geometry, particles: Particles) -> list[Region]:
     A block over the weir starts at its crest; one that also fills the recess stays between its
     steps.
     """
+    if isinstance(geometry, Terrain):
+        return [_extents_of(geometry)] if isinstance(geometry, ResolvedTerrain) else []
     if isinstance(geometry, Tank3D):
         return [Region((0.0, 0.0, 0.0), (geometry.length, geometry.width, geometry.height))]
     if isinstance(geometry, Tank):
@@ -269,3 +273,11 @@ def open_space(geometry: Geometry, particles: Particles) -> list[Region]:
     if hollow is not None:
         spaces.append(Region(hollow.lower, (*hollow.upper[:-1], geometry.height)))
     return spaces
+
+
+def _extents_of(terrain: ResolvedTerrain) -> Region:
+    """Return the space over a terrain, on the map where its lengths are."""
+    if isinstance(terrain, MappedTerrain):
+        west, south, east, north = terrain.crop
+        return Region((west, south, terrain.origin[2]), (east, north, terrain.top))
+    return Region((0.0, 0.0, 0.0), (terrain.length, terrain.width, terrain.height))

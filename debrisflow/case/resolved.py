@@ -6,17 +6,24 @@ from typing import Any, Literal, Self, TypeVar
 
 from pydantic import Field, PrivateAttr
 
-from debrisflow.case.fields import Table
+from debrisflow.case.fields import Point, Table
+from debrisflow.case.releases import (
+    Hydrograph,
+    HydrographRelease,
+    PolygonRelease,
+    RasterRelease,
+    Segment,
+)
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Tank, Tank3D
 from debrisflow.case.tables import (
     Case,
     ExplicitScheme,
-    Hydrograph,
     Inflow,
     Output,
     Scheme,
     Time,
 )
+from debrisflow.case.terrain import Box, Terrain
 
 _Resolved = TypeVar("_Resolved", bound=Table)
 
@@ -49,6 +56,40 @@ class ResolvedChannel3D(Channel3D):
     """A channel in three dimensions of which the end of the recess is known."""
 
     bed_end: float = _known(ChannelShape, "bed_end")
+
+
+class ResolvedTerrain(Terrain):
+    """A terrain whose extent, surface and origin are known; lengths are measured from the origin.
+
+    Obstacles and probes of a resolved case have places over its origin, as particles have.
+    """
+
+    crop: Box = _known(Terrain, "crop")
+    cell: float = _known(Terrain, "cell")
+    top: float = _known(Terrain, "top")
+    origin: Point = _known(Terrain, "origin")
+
+    @property
+    def box(self) -> Box:
+        """West, south, east and north border of the cells that are computed, m."""
+        return self.crop
+
+    @property
+    def height(self) -> float:
+        """Level of the top of the space over the origin, m."""
+        return self.top - self.origin[2]
+
+
+class MappedTerrain(ResolvedTerrain):
+    """A terrain as it is built, of a case whose obstacles and probes are still on the map."""
+
+
+class ResolvedHydrographRelease(HydrographRelease):
+    """A flow that enters over a line, whose direction and hydrograph are known."""
+
+    line: Segment = _known(HydrographRelease, "line")
+    direction: float = _known(HydrographRelease, "direction")
+    hydrograph: Hydrograph = _known(HydrographRelease, "hydrograph")
 
 
 class SteadyInflow(Inflow):
@@ -96,7 +137,8 @@ class ResolvedOutput(Output):
 
 
 ResolvedChannelShape = ResolvedChannel | ResolvedChannel3D
-ResolvedGeometry = Tank | ResolvedChannel | Tank3D | ResolvedChannel3D
+ResolvedGeometry = Tank | ResolvedChannel | Tank3D | ResolvedChannel3D | ResolvedTerrain
+ResolvedRelease = PolygonRelease | RasterRelease | ResolvedHydrographRelease
 ResolvedInflow = SteadyInflow | UnsteadyInflow
 AnyResolvedScheme = ResolvedScheme | ResolvedExplicitScheme
 
@@ -105,6 +147,7 @@ class ResolvedCase(Case):
     """A case that is checked, and in which nothing is left open."""
 
     geometry: ResolvedGeometry = _known(Case, "geometry")
+    release: tuple[ResolvedRelease, ...] = _known(Case, "release")
     inflow: ResolvedInflow | None = _known(Case, "inflow")
     scheme: AnyResolvedScheme = _known(Case, "scheme")
     time: ResolvedTime = _known(Case, "time")

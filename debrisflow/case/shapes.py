@@ -1,10 +1,11 @@
-"""Tables of the spaces that are computed: tanks and channels, in two and in three dimensions."""
+"""Tables of the spaces that are computed, in two and in three dimensions."""
 
 from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeGuard
 
 from debrisflow.case.fields import NONE, Table, quantity
+from debrisflow.case.terrain import Terrain
 
 
 class Tank(Table):
@@ -81,13 +82,13 @@ class Channel3D(ChannelShape):
     )
 
 
-Geometry = Tank | Channel | Tank3D | Channel3D
-THREE_DIMENSIONAL = ("tank3d", "channel3d")
+Geometry = Tank | Channel | Tank3D | Channel3D | Terrain
+THREE_DIMENSIONAL = ("tank3d", "channel3d", "terrain")
 
 
-def is_three_dimensional(geometry: object) -> TypeGuard[Tank3D | Channel3D]:
+def is_three_dimensional(geometry: object) -> TypeGuard[Tank3D | Channel3D | Terrain]:
     """Return whether a geometry has three dimensions."""
-    return isinstance(geometry, Tank3D | Channel3D)
+    return isinstance(geometry, Tank3D | Channel3D | Terrain)
 
 
 class Plain(NamedTuple):

@@ -46,6 +46,7 @@ from debrisflow.case.tables import (
     Particles,
     Walls,
 )
+from debrisflow.case.terrain import Terrain
 
 Fill = tuple[AnyFill, ...]
 Obstacles = tuple[AnyObstacle, ...]
@@ -59,6 +60,11 @@ BY_COLUMN = ("manning", "voellmy")  # laws of friction by the mean velocity of a
 
 def fills_of_dimension(geometry: Geometry, fill: Fill) -> Problems:
     """Check that fills have the dimension of the space."""
+    if isinstance(geometry, Terrain):
+        for k, part in enumerate(fill):
+            message = "a terrain has no fills; use a [[release]], on the terrain or taken out of it"
+            yield Problem(f"fill.{k}.type", message, part.type)
+        return
     dimension = 3 if is_three_dimensional(geometry) else 2
     with_third = "channel3d" if isinstance(geometry, ChannelShape) else "tank3d"
     for k, part in enumerate(fill):
@@ -125,6 +131,8 @@ def lengths_kept(
     scheme: AnyScheme,
 ) -> Problems:
     """Check that what is built is as long as asked, within a tenth."""
+    if isinstance(geometry, Terrain):
+        return
     asked: dict[str, Any] = {"geometry": geometry, "particles": particles}
     asked |= {"obstacle": obstacle, "fill": fill}
     built = asked | as_built(asked | {"scheme": scheme})
@@ -165,6 +173,8 @@ def supply_resolved(particles: Particles, inflow: Inflow | None) -> Problems:
 
 def space_resolved(geometry: Geometry, particles: Particles) -> Problems:
     """Check that the spacing resolves tank, channel and bed."""
+    if isinstance(geometry, Terrain):
+        return
     spacing = particles.spacing
     across = ["height"]
     if isinstance(geometry, Tank3D):
@@ -280,6 +290,8 @@ def plain_wider_than_channel(geometry: Geometry, particles: Particles) -> Proble
 
 def fills_inside(geometry: Geometry, particles: Particles, fill: Fill) -> Problems:
     """Check that fills lie in the open space, and a bed in a recess."""
+    if isinstance(geometry, Terrain):
+        return
     spaces = open_space(geometry, particles)
     for k, part in enumerate(fill):
         area = covered(part, geometry, particles)
@@ -384,6 +396,8 @@ def walls_there(walls: Walls, geometry: Geometry) -> Problems:
 
 def _walls_present(geometry: Geometry) -> dict[str, bool]:
     """Tell which of the named walls a geometry has."""
+    if isinstance(geometry, Terrain):
+        return {name: name == "floor" for name in Walls.model_fields}
     closed = not geometry.periodic
     if isinstance(geometry, Tank3D):
         sides = {"left": True, "right": True, "front": closed, "back": closed}

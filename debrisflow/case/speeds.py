@@ -6,16 +6,26 @@ from itertools import product
 from math import hypot, sqrt
 
 from debrisflow.case.regions import Region, covered, recess, runout_rise, section_of_supply
-from debrisflow.case.shapes import Channel3D, Geometry, Tank3D, is_three_dimensional
+from debrisflow.case.released import greatest_depth
+from debrisflow.case.releases import AnyRelease, HydrographRelease
+from debrisflow.case.shapes import Channel3D, Geometry, Tank3D
 from debrisflow.case.tables import AnyFill, Bed, Gravity, Inflow, Particles, Walls
 
 
 def given_speed(
-    fill: tuple[AnyFill, ...], inflow: Inflow | None, geometry: Geometry, walls: Walls
+    fill: tuple[AnyFill, ...],
+    inflow: Inflow | None,
+    geometry: Geometry,
+    walls: Walls,
+    release: tuple[AnyRelease, ...] = (),
 ) -> float:
-    """Return the largest speed in the case file: of a fill, a wall or the supply, m/s."""
+    """Return the largest speed in the case file, m/s: of fill, release, wall or supply."""
     speeds = [hypot(*part.velocity) for part in fill if not isinstance(part, Bed)]
     speeds += [hypot(*wall.velocity) for _, wall in walls]
+    speeds += [
+        part.velocity if isinstance(part, HydrographRelease) else hypot(*part.velocity)
+        for part in release
+    ]
     if inflow is not None:
         graph, area = inflow.hydrograph, section_of_supply(inflow, geometry)
         if graph is None:
@@ -41,7 +51,7 @@ def fall_speed(
     areas = [covered(part, geometry, particles) for part in fill]
     if inflow is not None:
         areas.append(Region((0.0, 0.0), (0.0, inflow.depth)))
-    if to_floor and areas and is_three_dimensional(geometry):
+    if to_floor and areas and isinstance(geometry, Tank3D | Channel3D):
         areas += _floors(geometry, particles, gravity)
     along, upward = gravity.components
     levels = [
@@ -51,6 +61,12 @@ def fall_speed(
         for x, y in product((area.lower[0], area.upper[0]), (area.lower[-1], area.upper[-1]))
     ]
     return sqrt(2.0 * (max(levels) - min(levels))) if levels else 0.0
+
+
+def collapse_speed(release: tuple[AnyRelease, ...], gravity: Gravity) -> float:
+    """Return the speed of a free fall through the depth of the deepest release, m/s."""
+    depths = [greatest_depth(part) for part in release if not isinstance(part, HydrographRelease)]
+    return sqrt(2.0 * hypot(*gravity.components) * max(depths, default=0.0))
 
 
 def _floors(

@@ -12,15 +12,15 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
-from debrisflow.case.fields import NONE, Components, Interval, Series, Table, Vector, quantity
+from debrisflow.case.fields import NONE, Components, Interval, Table, Vector, quantity
 from debrisflow.case.friction import Friction
 from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.probes import AnyProbe
+from debrisflow.case.releases import DISCHARGE, AnyRelease, Hydrograph, Zone
 from debrisflow.case.rheology import AnyRheology, NoStrength
 from debrisflow.case.shapes import THREE_DIMENSIONAL, Geometry, is_three_dimensional
 
 EXPLICIT_RADIUS = 2.4  # influence radius of the explicit scheme, in spacings
-DISCHARGE = "m2/s or m3/s"  # in two or in three dimensions
 
 
 class Particles(Table):
@@ -122,7 +122,7 @@ class Walls(Table):
 
     floor: Wall = Field(
         default=Wall(),
-        description="floor of a tank, or of a channel and its run-out",
+        description="floor of a tank, of a channel and its run-out, or of a terrain",
     )
     bed: Wall = Field(default=Wall(), description="floor and steps of the recess under the bed")
     left: Wall = Field(default=Wall(), description="wall at x = 0")
@@ -138,16 +138,6 @@ class Walls(Table):
         default=Wall(),
         description="wall at y = width, in three dimensions, and the head wall beside it",
     )
-
-
-class Hydrograph(Table):
-    """A supply that changes with time; linear between the rows."""
-
-    time: Series = quantity("s", "times, increasing")
-    discharge: Series = quantity(
-        DISCHARGE, "discharge of sediment and water, in two dimensions per unit width"
-    )
-    concentration: Series = quantity(NONE, "volumetric sediment concentration of the supply")
 
 
 class Inflow(Table):
@@ -392,7 +382,13 @@ class Case(Table):
             "where fills overlap the later one in the file counts",
         )
     )
+    release: Annotated[
+        tuple[Annotated[AnyRelease, Field(discriminator="type")], ...], Strict(False)
+    ] = Field((), description="what is set free on a terrain, at the start or later")
     walls: Walls = Walls()
+    zone: Annotated[tuple[Zone, ...], Strict(False)] = Field(
+        (), description="parts of a terrain with a friction of their own, instead of the floor's"
+    )
     inflow: Inflow | None = None
     water: Water = Water()
     sediment: Sediment = Sediment()

@@ -71,18 +71,20 @@ def read_lines(path: Path) -> Lines:
     return Lines(shapes, crs)
 
 
-def look_like_degrees(shapes: Sequence[Any]) -> bool:
-    """Return whether coordinates may be longitudes and latitudes, which a small map may be too.
+def look_like_degrees(box: tuple[float, float, float, float]) -> bool:
+    """Return whether borders, west, south, east and north, may be longitudes and latitudes.
+
+    Those of a small map in meters may be too.
 
     Examples
     --------
-    >>> look_like_degrees([shapely.box(-122.2, 46.2, -122.1, 46.3)])
+    >>> look_like_degrees((-122.2, 46.2, -122.1, 46.3))
     True
-    >>> look_like_degrees([shapely.box(562000.0, 5118000.0, 562100.0, 5118100.0)])
+    >>> look_like_degrees((562000.0, 5118000.0, 562100.0, 5118100.0))
     False
     """
-    west, south, east, north = shapely.total_bounds(list(shapes))
-    return bool(west >= -180.0 and east <= 180.0 and south >= -90.0 and north <= 90.0)
+    west, south, east, north = box
+    return west >= -180.0 and east <= 180.0 and south >= -90.0 and north <= 90.0
 
 
 def write_polygons(

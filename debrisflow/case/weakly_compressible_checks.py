@@ -13,6 +13,7 @@ from debrisflow.case.defaults import (
 )
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, covered
+from debrisflow.case.releases import AnyRelease, Zone
 from debrisflow.case.rheology import NoStrength, Rheology
 from debrisflow.case.shapes import Geometry, is_three_dimensional
 from debrisflow.case.tables import (
@@ -72,13 +73,14 @@ def laws_of_mixture(
     fill: Fill,
     inflow: Inflow | None,
     geometry: Geometry,
+    release: tuple[AnyRelease, ...],
 ) -> Problems:
     """Check that the explicit scheme is asked for no slip, and has grains for its laws."""
     if not isinstance(scheme, ExplicitScheme):
         return
     if drag.law != "none":
         yield Problem("drag.law", HAS_NONE, drag.law)
-    has_grains = "mixture" in phases(fill, inflow, geometry)
+    has_grains = "mixture" in phases(fill, inflow, geometry, release)
     if not isinstance(rheology, NoStrength) and not has_grains:
         message = "has no effect on water; fill with 'mixture'"
         yield Problem("rheology.type", message, rheology.type)
@@ -136,6 +138,8 @@ def step_below_acoustic(
     inflow: Inflow | None,
     walls: Walls,
     time: Time,
+    release: tuple[AnyRelease, ...],
+    zone: tuple[Zone, ...],
 ) -> Problems:
     """Check that the speed of sound is known and the largest step below the acoustic limit."""
     if not isinstance(scheme, ExplicitScheme):
@@ -143,10 +147,10 @@ def step_below_acoustic(
     speed = scheme.sound_speed
     if speed is None:
         areas = [covered(part, geometry, particles) for part in fill]
-        nothing = not areas and inflow is None
+        nothing = not areas and inflow is None and not release
         if nothing or any(area is None or area.volume == 0 for area in areas):
             return  # told by another check
-        speed = sound_speed(fill, inflow, geometry, particles, gravity, walls)
+        speed = sound_speed(fill, inflow, geometry, particles, gravity, walls, release, zone)
         if speed == 0:
             message = "missing: no speed follows from the case; give the speed of sound (m/s)"
             yield Problem("scheme.sound_speed", message)

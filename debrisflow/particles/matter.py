@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import ResolvedCase, tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.materials import bulk_density
+from debrisflow.case.releases import Hydrograph
 from debrisflow.particles.record import Kind, Particles
 
 
@@ -40,7 +41,7 @@ def concentrations(case: ResolvedCase) -> set[float]:
     inflow = case.inflow
     if inflow is not None:
         graph = inflow.hydrograph
-        if isinstance(graph, tables.Hydrograph):
+        if isinstance(graph, Hydrograph):
             found.update(graph.concentration)
         else:
             found.add(inflow.concentration)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from debrisflow.case import ResolvedCase, tables
+from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import phases
 from debrisflow.case.fields import NONE, Table
+from debrisflow.case.releases import DISCHARGE
 from debrisflow.case.resolved import ResolvedInflow, UnsteadyInflow
 from debrisflow.case.rheology import NoStrength
 
@@ -48,7 +49,7 @@ def parameters(case: ResolvedCase) -> list[Parameter]:
     """Return all fields of a case, in the order of the file."""
     found = list(_walk(case, ""))
     rate = "m3/s" if case.dimension == 3 else "m2/s"
-    return [one._replace(unit=rate) if one.unit == tables.DISCHARGE else one for one in found]
+    return [one._replace(unit=rate) if one.unit == DISCHARGE else one for one in found]
 
 
 def _walk(table: Table, prefix: str) -> Iterator[Parameter]:
@@ -57,7 +58,7 @@ def _walk(table: Table, prefix: str) -> Iterator[Parameter]:
         nested = value if isinstance(value, tuple) else (value,)
         if nested and all(isinstance(part, Table) for part in nested):
             for number, part in enumerate(nested):
-                entry = getattr(part, "name", number)
+                entry = getattr(part, "name", None) or number
                 place = f"{key}.{entry}." if isinstance(value, tuple) else f"{key}."
                 yield from _walk(part, place)
         else:
@@ -83,7 +84,7 @@ def summary(case: ResolvedCase) -> str:
 
 
 def _words(case: ResolvedCase) -> Iterator[str]:
-    d0, matter = case.particles.spacing, phases(case.fill, case.inflow, case.geometry)
+    d0, matter = case.particles.spacing, phases(case.fill, case.inflow, case.geometry, case.release)
     yield f"d0 = {1000.0 * d0:g} mm"
     if case.gravity.vector is not None:
         yield "gravity ({:g}, {:g}) m/s²".format(*case.gravity.vector)

@@ -13,7 +13,6 @@ import pytest
 import rasterio
 import shapely
 
-from debrisflow.case import vectors
 from debrisflow.case.reference_systems import differ
 from debrisflow.case.vectors import (
     UnreadableVectorsError,
@@ -180,6 +179,6 @@ def test_geographic_geopackages_are_refused(tmp_path: Path) -> None:
 
 
 def test_degrees_are_told_by_their_size() -> None:
-    assert look_like_degrees([shapely.box(138.9, 35.1, 139.0, 35.2)])
-    assert not look_like_degrees([HOLED])
-    assert vectors.look_like_degrees([shapely.box(0.0, 0.0, 50.0, 40.0)])  # so is a small map
+    assert look_like_degrees(shapely.box(138.9, 35.1, 139.0, 35.2).bounds)
+    assert not look_like_degrees(HOLED.bounds)
+    assert look_like_degrees((0.0, 0.0, 50.0, 40.0))  # so is a small map
