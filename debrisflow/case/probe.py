@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple, Self, TypeVar
 from debrisflow.case.bodies import BoxObstacle, PolygonObstacle
 from debrisflow.case.fields import NAME_PATTERN, NONE, Table, quantity
 from debrisflow.case.polygons import distance_to_polygon, fault_of, is_in_polygon
-from debrisflow.case.words import ABSENT, did_you_mean, either
+from debrisflow.case.words import ABSENT, did_you_mean, either, place
 
 SIZE = "side of the square, in two dimensions width of the strip, {}; 2 spacings if left out"
 SIZE_SPACINGS = 2  # of a size that is left out
@@ -134,7 +134,7 @@ class Space(NamedTuple):
 
 
 def _ends(lower: float, upper: float) -> str:
-    return f"[{lower:g}, {upper:g}] m"
+    return f"[{place(lower)}, {place(upper)}] m"
 
 
 def _distance_to_box(place: tuple[float, float, float], box: BoxObstacle) -> float:

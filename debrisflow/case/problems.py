@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, get_args, get_origin
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
@@ -110,8 +110,8 @@ class Place(NamedTuple):
 def locate(path: Sequence[str | int]) -> Place:
     """Follow a path of keys through the tables.
 
-    Pydantic names the chosen member of a union in its paths (``geometry, tank, length``); such a
-    step is followed but is no key of the file.
+    Pydantic names the chosen member of a union in its paths (``geometry, tank, length``, or a kind
+    of list beside the name of a file); such a step is followed but is no key of the file.
     """
     keys: list[str | int] = []
     field: FieldInfo | None = None
@@ -121,6 +121,8 @@ def locate(path: Sequence[str | int]) -> Place:
         chosen = tuple(t for t in tables if step in (t.__name__, _tag(t)))
         if chosen and _is_union(field):
             tables, field = chosen, None
+            continue
+        if _is_union(field) and str(step).startswith("tuple["):
             continue
         keys.append(step)
         if isinstance(step, int) or step.isdecimal():
@@ -280,9 +282,19 @@ def _list_of(place: Place) -> str:
     annotation = place.field.annotation if place.field else None
     if any(_tables(annotation)):
         return f"must be an array of tables, each under its own [[{place.key}]]"
-    members = {get_args(m) for m in (annotation, *get_args(annotation)) if get_origin(m) is tuple}
-    counts = [len(inner) for inner in members if Ellipsis not in inner]
-    return f"must be a list of {counts[0]} numbers" if counts else "must be a list of numbers"
+    members = {get_args(m) for m in _plain(annotation) if get_origin(m) is tuple}
+    counts = [(len(inner), inner[0] is float) for inner in members if Ellipsis not in inner]
+    if not counts:
+        return "must be a list of numbers"
+    count, of_numbers = counts[0]
+    listed = f"must be a list of {count} {'numbers' if of_numbers else 'points'}"
+    return f"{listed}, or the name of a file" if str in _plain(annotation) else listed
+
+
+def _plain(annotation: Any) -> set[Any]:
+    """Return a type and the members of it if it is a union, without their metadata."""
+    members = {annotation, *get_args(annotation)}
+    return members | {get_args(m)[0] for m in members if get_origin(m) is Annotated}
 
 
 _Telling = Callable[[Mapping[str, Any], Place], str]

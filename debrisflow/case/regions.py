@@ -24,6 +24,7 @@ from debrisflow.case.shapes import (
 from debrisflow.case.tables import AnyFill, AnyObstacle, Bed, Block, Gravity, Inflow, Particles
 from debrisflow.case.terrain import Terrain
 from debrisflow.case.triangles import Surface, cells_inside, read_surface
+from debrisflow.case.words import place
 
 WEIR_SPACINGS = 4
 # Share of a spacing by which a length may miss a multiple of it, for round-off in decimals.
@@ -64,7 +65,7 @@ class Region(NamedTuple):
     def __str__(self) -> str:
         """Return the extents as in a case file."""
         ends = zip("xyz", self.lower, self.upper, strict=False)
-        return ", ".join(f"{axis} = [{a:.6g}, {b:.6g}] m" for axis, a, b in ends)
+        return ", ".join(f"{axis} = [{place(a)}, {place(b)}] m" for axis, a, b in ends)
 
 
 def bed_end(geometry: ChannelShape, particles: Particles) -> float:

@@ -33,6 +33,7 @@ from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.case.shapes import Geometry
 from debrisflow.case.tables import AnyObstacle, AnyScheme, Gravity, Particles, Walls
 from debrisflow.case.terrain import Box, Terrain
+from debrisflow.case.words import either, place
 
 Releases = tuple[AnyRelease, ...]
 Zones = tuple[Zone, ...]
@@ -82,7 +83,8 @@ def terrain_cropped(geometry: Geometry) -> Problems:
             f"which must be at least {FEWEST_CELLS} each way"
         )
         key = "geometry.dem" if geometry.crop is None else "geometry.crop"
-        yield Problem(key, message, geometry.dem if geometry.crop is None else geometry.crop)
+        value = _name(geometry.dem) if geometry.crop is None else geometry.crop
+        yield Problem(key, message, value)
     elif not np.isfinite(levels.values).any():
         yield Problem("geometry.crop", "the DEM has no data there", geometry.crop)
 
@@ -97,7 +99,7 @@ def terrain_levels(geometry: Geometry) -> Problems:
             f"its highest level is {highest:.6g}, more than any ground in meters; convert feet or "
             "centimeters to meters"
         )
-        yield Problem("geometry.dem", message, geometry.dem)
+        yield Problem("geometry.dem", message, _name(geometry.dem))
 
 
 def terrain_surface(geometry: Geometry) -> Problems:
@@ -125,7 +127,7 @@ def shapes_given(release: Releases, zone: Zones) -> Problems:
                 yield Problem(key, "raster and value belong together; give both or none")
         given = [name for name in ways if getattr(part, name) is not None]
         if not given:
-            yield Problem(key, f"give {' or '.join(ways)}: it does not say where it is")
+            yield Problem(key, f"does not say where it is: give {either(ways)}")
         for name in given[1:]:
             yield Problem(f"{key}.{name}", f"{key}.{given[0]} is given as well; leave one out")
         if part.corners is not None and (fault := _fault_of(part.corners)):
@@ -135,11 +137,11 @@ def shapes_given(release: Releases, zone: Zones) -> Problems:
 def _fault_of(corners: tuple[tuple[float, float], ...]) -> str:
     """Return what is wrong with the corners of a polygon; empty if nothing is."""
     shape = shapely.Polygon(corners)
-    if not shape.is_valid:
-        _, _, place = shapely.is_valid_reason(shape).partition("[")
-        return f"its sides cross or touch at ({place.rstrip(']').replace(' ', ', ')}) m"
-    if shape.area <= FLAT * shape.length**2:
+    if shape.convex_hull.area <= FLAT * shape.length**2:
         return "encloses nothing: its corners lie on a line"
+    if not shape.is_valid:
+        _, _, where = shapely.is_valid_reason(shape).partition("[")
+        return f"its sides cross or touch at ({where.rstrip(']').replace(' ', ', ')}) m"
     return ""
 
 
@@ -160,9 +162,9 @@ def amounts_given(release: Releases) -> Problems:
                     f"has depths of both signs, {least:.4g} to {most:.4g} m; leave only what is "
                     "set free"
                 )
-                yield Problem(f"release.{k}.file", message, part.file)
+                yield Problem(f"release.{k}.file", message, _name(part.file))
             elif least == most == 0.0:
-                yield Problem(f"release.{k}.file", "has no depth but 0", part.file)
+                yield Problem(f"release.{k}.file", "has no depth but 0", _name(part.file))
 
 
 def hydrographs_in_order(release: Releases) -> Problems:
@@ -224,7 +226,8 @@ def _where(key: str, part: AnyRelease) -> tuple[str, object]:
     name = "line" if isinstance(part, HydrographRelease) else "file"
     if isinstance(part, PolygonRelease) and part.file is None:
         name = "corners"
-    return f"{key}.{name}", getattr(part, name)
+    value = getattr(part, name)
+    return f"{key}.{name}", _name(value) if isinstance(value, str) else value
 
 
 def _shape_of(part: AnyRelease) -> shapely.Geometry:
@@ -269,7 +272,8 @@ def releases_sized(geometry: Geometry, release: Releases, particles: Particles) 
                 f"{found:.4g} m deep over {area(part):.4g} m2, more than {DEEPEST:g} m; a depth is "
                 "measured from the ground, and is no elevation"
             )
-            yield Problem(key, message, getattr(part, key.rpartition(".")[2]))
+            value = getattr(part, key.rpartition(".")[2])
+            yield Problem(key, message, _name(value) if isinstance(value, str) else value)
             continue
         count = volume(part) / particles.spacing**3
         if count < FEWEST_PARTICLES:
@@ -297,7 +301,8 @@ def flows_across_line(geometry: Geometry, release: Releases) -> Problems:
         return
     for k, line in _lines(release):
         part = release[k]
-        if not isinstance(part, HydrographRelease):
+        on_ground = shapely.LineString(line).within(shapely.box(*geometry.crop))
+        if not isinstance(part, HydrographRelease) or not on_ground:
             continue
         key = f"release.{k}.direction"
         if part.direction is None:
@@ -332,7 +337,7 @@ def zones_on_ground(geometry: Geometry, zone: Zones) -> Problems:
         elif not outline(part).intersects(shapely.box(*geometry.crop)):
             key = f"zone.{k}." + ("corners" if part.file is None else "file")
             message = f"lies outside the terrain, {_as_words(geometry.crop)}"
-            yield Problem(key, message, part.corners if part.file is None else part.file)
+            yield Problem(key, message, part.corners if part.file is None else _name(part.file))
 
 
 def zones_named(zone: Zones, obstacle: tuple[AnyObstacle, ...]) -> Problems:
@@ -374,7 +379,7 @@ def terrain_origin(geometry: Geometry) -> Problems:
     if abs(x - west) > slack or abs(y - south) > slack:
         message = (
             "its first two numbers must be the south-west corner of what is computed, "
-            f"({west:.10g}, {south:.10g}); crop the DEM there"
+            f"({place(west)}, {place(south)}); crop the DEM there"
         )
         yield Problem("geometry.origin", message, geometry.origin)
     lowest, highest = (float(end(geometry.levels.values)) for end in (np.nanmin, np.nanmax))
@@ -386,9 +391,14 @@ def terrain_origin(geometry: Geometry) -> Problems:
         yield Problem("geometry.top", message, geometry.top)
 
 
+def _name(path: str) -> str:
+    """Return the name of a file, which the case holds by its absolute path."""
+    return Path(path).name
+
+
 def _as_words(box: Box | tuple[float, ...]) -> str:
     west, south, east, north = box
-    return f"x = [{west:.9g}, {east:.9g}], y = [{south:.9g}, {north:.9g}] m"
+    return f"x = [{place(west)}, {place(east)}], y = [{place(south)}, {place(north)}] m"
 
 
 AS_ASKED: tuple[Callable[..., Problems], ...] = (

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from difflib import SequenceMatcher
 
 ABSENT = object()  # in place of a value that is not there
+MAP = 1.0e5  # m, from which on a coordinate is one of a map
 NEAR = 0.75  # likeness of two words from which on one may be the other mistyped
 NEAR_IN_PART = 0.6  # of two that share a word between underscores: grain_size, grain_diameter
 
@@ -14,6 +15,17 @@ def either(choices: Iterable[str]) -> str:
     """Return ``'a', 'b' or 'c'``."""
     *first, last = (f"'{choice}'" for choice in choices)
     return f"{', '.join(first)} or {last}" if first else last
+
+
+def place(value: float) -> str:
+    """Return a coordinate, m, with six digits, or to a millimeter if it is one of a map.
+
+    Examples
+    --------
+    >>> place(0.1 + 0.2), place(4000040.25)
+    ('0.3', '4000040.25')
+    """
+    return f"{value:.6g}" if abs(value) < MAP else f"{value:.3f}".rstrip("0").rstrip(".")
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
