@@ -66,6 +66,27 @@ def class_items(limits: Sequence[float], unit: str) -> Iterator[tuple[float, str
         yield limit, label, COLORS[round(k * step)]
 
 
+def palette(classes: Iterable[tuple[int, str, str]]) -> str:
+    """Return the style of a raster of classes: number, name and color of each."""
+    root = ElementTree.Element("qgis", version="3.28", styleCategories="Symbology")
+    renderer = ElementTree.SubElement(
+        ElementTree.SubElement(root, "pipe"),
+        "rasterrenderer",
+        type="paletted",
+        band="1",
+        opacity="0.8",
+        alphaBand="-1",
+        nodataColor="",
+    )
+    ElementTree.SubElement(renderer, "rasterTransparency")
+    entries = ElementTree.SubElement(renderer, "colorPalette")
+    for number, name, color in classes:
+        ElementTree.SubElement(
+            entries, "paletteEntry", value=str(number), label=name, color=color, alpha="255"
+        )
+    return _text(root)
+
+
 def _qml(
     kind: str, opacity: float, low: float, high: float, items: Iterable[tuple[float, str, str]]
 ) -> str:
@@ -97,6 +118,10 @@ def _qml(
         ElementTree.SubElement(
             shader, "item", value=f"{value:.9g}", label=label, color=color, alpha="255"
         )
+    return _text(root)
+
+
+def _text(root: ElementTree.Element) -> str:
     ElementTree.SubElement(root, "blendMode").text = "0"
     ElementTree.indent(root)
     head = "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n"
