@@ -227,6 +227,11 @@ def set_threads(count: int) -> int:
     return count
 
 
+def threads() -> int:
+    """Return how many threads are used."""
+    return int(numba.get_num_threads())
+
+
 def cores() -> int:
     """Return the number of cores that this process may use."""
     try:

@@ -359,6 +359,25 @@ def render(
 
 
 @main.command()
+@_results
+@click.option(
+    "--classes",
+    metavar="NAME|FILE",
+    required=True,
+    help="Table of thresholds: japan, swiss, or a TOML file.",
+)
+def hazard(folder: Path, classes: str) -> None:
+    """Map hazard classes of the run in the folder RUN, on a terrain, by a table of thresholds."""
+    from debrisflow.results.hazard import area_lines, hazard_map, write_hazard
+    from debrisflow.results.hazard_classes import read_classes
+
+    found = hazard_map(folder, read_classes(classes))
+    for line in area_lines(found):
+        click.echo(line)
+    _print_files(write_hazard(folder, found))
+
+
+@main.command()
 def schema() -> None:
     """Print the JSON schema of case files, which editors use for completion."""
     from debrisflow.case import case_schema

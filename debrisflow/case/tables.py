@@ -340,6 +340,15 @@ class Output(Table):
         gt=0,
     )
     rest_speed: float = quantity("m/s", "speed below which a deposit is at rest", 0.05, gt=0)
+    layer_depth: float = quantity(
+        "m", "depth from which the flow counts in the layers of a map, on terrain", 0.05, gt=0
+    )
+    layer_interval: float | None = quantity(
+        "s",
+        "interval of the layers of the depth at a time, on terrain; none if left out",
+        None,
+        gt=0,
+    )
 
 
 def follow_dimension(data: Any) -> Any:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase, tables
 from debrisflow.neighbors.patches import Patches, no_patches
 from debrisflow.particles import hydrostatic_start
+from debrisflow.particles.layers import Layers, no_layers
 from debrisflow.particles.maxima import Maxima, no_maxima
 from debrisflow.particles.record import Particles
 from debrisflow.particles.seeding import seed
@@ -39,6 +40,8 @@ class State:
     particles : Particles
     maxima : Maxima
         The greatest depth, speed and momentum flux since t = 0.
+    layers : Layers
+        What the flow has done in each cell of a map; without cells in a case without terrain.
     time : float
         Simulated time, s; negative while the fills relax.
     step : int
@@ -86,6 +89,7 @@ class State:
     supply_columns: int = 0
     supply_sediment: float = 0.0
     next_id: int = 0
+    layers: Layers = field(default_factory=no_layers)
     sums: dict[str, Floats] = field(default_factory=dict)
     wall_force: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     patches: Patches = field(default_factory=no_patches)

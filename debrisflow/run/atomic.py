@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -33,3 +34,27 @@ def replaced(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             unfinished.unlink(missing_ok=True)
+
+
+@contextmanager
+def replaced_files(folder: Path) -> Iterator[Path]:
+    """Yield a temporary folder within a folder; at the end the files written there move into it.
+
+    For writers that choose a format by the ending of a name or write several files.  The folder is
+    created if it does not exist.  If the block raises, its files are unchanged.
+
+    Raises
+    ------
+    OutputError
+        If the operating system refuses to write.
+    """
+    unfinished = folder / f"new{UNFINISHED}"
+    try:
+        unfinished.mkdir(parents=True, exist_ok=True)
+        yield unfinished
+        for file in sorted(unfinished.iterdir()):
+            os.replace(file, folder / file.name)
+    except OSError as error:
+        raise OutputError(f"cannot write into {folder}: {error.strerror or error}") from error
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)

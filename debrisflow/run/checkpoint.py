@@ -10,13 +10,14 @@ import h5py
 import numpy as np
 
 from debrisflow.errors import OutputError
+from debrisflow.particles.layers import Layers
 from debrisflow.particles.maxima import Maxima
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import replaced
 
 # the records in a state, by the names of its fields
-PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima}
+PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima, "layers": Layers}
 SUMS = "sums"
 NOT_KEPT = {"wall_force", "patches", "patch_force"}  # what each step, or who reads it, finds anew
 
@@ -64,7 +65,7 @@ def load(path: Path) -> State:
         raise OutputError(f"{path} is damaged: {error}") from error
 
 
-def _put(group: h5py.Group, record: State | Particles | Maxima) -> None:
+def _put(group: h5py.Group, record: State | Particles | Maxima | Layers) -> None:
     for field in fields(record):
         if field.name in NOT_KEPT:
             continue

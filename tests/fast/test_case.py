@@ -153,6 +153,7 @@ class TestRoundTrip:
             "inflow.across",
             "inflow.hydrograph",
             "collision_stress.concentration",
+            "output.layer_interval",
         }
 
     @pytest.mark.parametrize("path", sorted(Path(__file__).parents[2].glob("cases/*.toml")))

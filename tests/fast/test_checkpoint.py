@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from debrisflow.errors import OutputError
+from debrisflow.particles.layers import Layers
 from debrisflow.particles.maxima import Maxima
 from debrisflow.particles.record import blank
 from debrisflow.particles.state import State
@@ -25,9 +26,10 @@ def state():
     counts = [np.array([i, i + 1, 2**40]) for i in range(3)]
     maxima = Maxima(*rng.uniform(0.0, 9.0, (5, 30)), rested=rng.random(30) < 0.5)
     maxima.arrival_time[::4] = np.nan
+    layers = Layers(*rng.uniform(0.0, 9.0, (6, 4, 3)))
     sediment = [rng.uniform(0.0, 9.0, 3) for _ in range(3)]
     sums = {"section": rng.uniform(-9.0, 9.0, (2, 3)), "wall": np.array([1 / 3, -0.0, 5e-324])}
-    counters = *counts, *sediment, 2**41, 13, 11, -1 / 3, 2**40
+    counters = *counts, *sediment, 2**41, 13, 11, -1 / 3, 2**40, layers
     return State(particles, maxima, 0.1 + 0.2, 7, 1e-3 / 3, *counters, sums)
 
 

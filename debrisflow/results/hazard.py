@@ -1,0 +1,155 @@
+"""Maps of hazard classes from the layers of a run, and their areas."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case.rasters import Raster, has_rasterio, write_raster
+from debrisflow.case.vectors import write_polygons
+from debrisflow.results.hazard_classes import Classes
+from debrisflow.results.layers import read_layer
+from debrisflow.run.atomic import replaced_files
+from debrisflow.run.folder import POSTPROCESS
+from debrisflow.run.layer_styles import palette
+from debrisflow.run.layers import ENDINGS, polygons_of
+from debrisflow.run.tables import write_table
+
+COLUMNS = ("class", "number", "cells", "area", "share")
+
+
+class ClassArea(NamedTuple):
+    """How much of the map a class takes.
+
+    Attributes
+    ----------
+    name : str
+    number : int
+        In the raster.
+    cells : int
+    area : float, m2
+        In plan.
+    share : float
+        Of all cells that the flow reaches.
+    """
+
+    name: str
+    number: int
+    cells: int
+    area: float
+    share: float
+
+
+class HazardMap(NamedTuple):
+    """A map of classes.
+
+    Attributes
+    ----------
+    classes : Classes
+    raster : Raster
+        Numbers of classes; nan where there is none.
+    areas : list of ClassArea
+        From the worst class on.
+    """
+
+    classes: Classes
+    raster: Raster
+    areas: list[ClassArea]
+
+
+def hazard_map(run: Path, classes: Classes) -> HazardMap:
+    """Return the map of classes of a run.
+
+    Parameters
+    ----------
+    run : Path
+        Its folder.
+    classes : Classes
+
+    Raises
+    ------
+    OutputError
+        If the run lacks a layer that the classes ask for.
+    """
+    depth = read_layer(run, "peak_depth")
+    reached: NDArray[np.bool_] = np.isfinite(depth.values)
+    layers = {name: read_layer(run, name).values for name in classes.layers}
+    numbers = classes.classified(reached, layers)
+    return HazardMap(
+        classes, Raster(depth.grid, numbers), _areas(classes, numbers, reached, depth.grid.cell)
+    )
+
+
+def _areas(
+    classes: Classes, numbers: NDArray[np.float64], reached: NDArray[np.bool_], cell: float
+) -> list[ClassArea]:
+    all_cells, found = max(int(reached.sum()), 1), []
+    for place, one in enumerate(classes.classes):
+        cells = int((numbers == classes.number(place)).sum())
+        area, share = cells * cell**2, cells / all_cells
+        found.append(ClassArea(one.name, classes.number(place), cells, area, share))
+    return found
+
+
+def write_hazard(run: Path, found: HazardMap) -> list[Path]:
+    """Write a map of classes: raster and style, polygons, table of areas; return the files.
+
+    Raises
+    ------
+    OutputError
+        If the operating system refuses to write.
+    """
+    folder, classes = run / POSTPROCESS, found.classes
+    name = f"class_{classes.name}"
+    with replaced_files(folder) as unfinished:
+        ending = ENDINGS[0] if has_rasterio() else ENDINGS[1]
+        write_raster(unfinished / f"{name}.{ending}", found.raster, _tags(classes))
+        entries = [(classes.number(k), c.name, c.color) for k, c in enumerate(classes.classes)]
+        (unfinished / f"{name}.qml").write_text(palette(entries), encoding="utf-8")
+        _write_polygons(unfinished / f"{name}.geojson", found)
+        head = (
+            f"{classes.title}; classes from the worst on",
+            f"source: {classes.source}",
+            "number: of the class in the raster",
+            "area: m2, in plan",
+            "share: of the area that the flow reaches",
+        )
+        write_table(unfinished / f"{name}.csv", COLUMNS, head, found.areas)
+        return [folder / file.name for file in sorted(unfinished.iterdir())]
+
+
+def _tags(classes: Classes) -> dict[str, str]:
+    numbers = [f"{classes.number(k)} {one.name}" for k, one in enumerate(classes.classes)]
+    return {"title": classes.title, "classes": "; ".join(numbers), "source": classes.source}
+
+
+def _write_polygons(path: Path, found: HazardMap) -> None:
+    grid = found.raster.grid
+    shapes: list[Any] = []
+    names: list[str] = []
+    numbers: list[int] = []
+    for area in found.areas:
+        parts = polygons_of(grid, found.raster.values == area.number)
+        shapes += parts
+        names += [area.name] * len(parts)
+        numbers += [area.number] * len(parts)
+    attributes: dict[str, list[Any]] = {
+        "class": names,
+        "number": numbers,
+        "area_m2": [one.area for one in shapes],
+    }
+    write_polygons(path, shapes, attributes, grid.crs)
+
+
+def area_lines(found: HazardMap) -> list[str]:
+    """Return the areas as lines of a table."""
+    width = max(len(area.name) for area in found.areas)
+    lines = [found.classes.title, f"{'class':<{width}}  number  cells       area, m2   share"]
+    lines += [
+        f"{a.name:<{width}}  {a.number:6d}  {a.cells:5d}  {a.area:13,.0f}  {100 * a.share:5.1f} %"
+        for a in found.areas
+    ]
+    return [*lines, f"source: {found.classes.source}"]
