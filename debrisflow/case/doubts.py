@@ -7,14 +7,22 @@ Former names of fields are told beside them.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import hypot, inf, isclose
+from math import atan, degrees, hypot, inf, isclose
+
+import numpy as np
 
 from debrisflow.case.bodies import PolygonObstacle
 from debrisflow.case.built import LARGEST_MISFIT, enough
-from debrisflow.case.defaults import LARGEST_PATH
+from debrisflow.case.defaults import LARGEST_PATH, phases
 from debrisflow.case.motion import Motion
 from debrisflow.case.polygons import share_without_rows
-from debrisflow.case.resolved import ResolvedCase
+from debrisflow.case.released import area, greatest_discharge, length_of, volume
+from debrisflow.case.resolved import (
+    ResolvedCase,
+    ResolvedHydrographRelease,
+    ResolvedRelease,
+    ResolvedTerrain,
+)
 from debrisflow.case.tables import Block, Scheme
 
 EARTH = 9.81  # m/s2
@@ -68,7 +76,8 @@ def _shares(case: ResolvedCase) -> Iterator[str]:
 
 def _grains(case: ResolvedCase) -> Iterator[str]:
     diameter, spacing = case.sediment.grain_diameter, case.particles.spacing
-    has_grains = any(part.material != "water" for part in case.fill)
+    has_grains = "mixture" in phases(case.fill, None, case.geometry, case.release)
+    has_grains = has_grains or any(part.material != "water" for part in case.fill)
     if has_grains and case.collision_stress.enabled and diameter > GREATEST_GRAIN * spacing:
         yield (
             f"sediment.grain_diameter = {diameter:g} m: grains larger than a particle, "
@@ -87,10 +96,17 @@ def _times(case: ResolvedCase) -> Iterator[str]:
         if isinstance(body.motion, Motion) and body.motion.start >= end:
             start = f"obstacle.{body.name}.motion.start = {body.motion.start:g} s"
             yield f"{start}: it never moves, since the run ends at {end:g} s"
+    for number, part in enumerate(case.release):
+        if part.start >= end:
+            key = f"release.{part.name or number}.start"
+            yield f"{key} = {part.start:g} s: never set free, since the run ends at {end:g} s"
 
 
 def rows_over_depths(case: ResolvedCase) -> dict[str, int]:
-    """Return the rows of particles over the depths of blocks and supply, by their keys."""
+    """Return the rows of particles over the depths of what flows, by their keys.
+
+    Of a release the mean depth counts, of a hydrograph that at its greatest discharge.
+    """
     return {name: round(depth / case.particles.spacing) for name, depth in _depths(case).items()}
 
 
@@ -103,15 +119,26 @@ def _depths(case: ResolvedCase) -> dict[str, float]:
     }
     if case.inflow is not None:
         depths["inflow"] = case.inflow.depth
+    for number, part in enumerate(case.release):
+        depths[f"release.{part.name or number}"] = _depth_of(part)
     return depths
+
+
+def _depth_of(part: ResolvedRelease) -> float:
+    """Return the mean depth of a release, and that in which a hydrograph enters at its peak, m."""
+    if isinstance(part, ResolvedHydrographRelease):
+        discharge = greatest_discharge(part.hydrograph)
+        return discharge / (part.velocity * length_of(part.line))
+    return volume(part) / area(part)
 
 
 def _rows(case: ResolvedCase) -> Iterator[str]:
     depths = _depths(case)
     for name, rows in rows_over_depths(case).items():
         if rows < FEWEST_ROWS:
+            count = "one row" if rows else "less than a row"
             yield (
-                f"{name}: one row of particles over its depth of {depths[name]:g} m; with two or "
+                f"{name}: {count} of particles over its depth of {depths[name]:g} m; with two or "
                 f"more, particles.spacing = {depths[name] / FEWEST_ROWS:.2g}, it has a profile"
             )
 
@@ -154,6 +181,29 @@ def _thin_parts(case: ResolvedCase) -> Iterator[str]:
                 )
 
 
+def _steep_ground(case: ResolvedCase) -> Iterator[str]:
+    if not isinstance(case.geometry, ResolvedTerrain):
+        return
+    levels = case.geometry.levels
+    rise = np.hypot(*np.gradient(levels.values, levels.grid.cell))
+    steep = degrees(atan(float(np.nanmedian(rise)))) if np.isfinite(rise).any() else 0.0
+    if steep > STEEP:
+        yield (
+            f"geometry.dem: half of the ground is steeper than {steep:.0f} degrees; are its levels "
+            "in feet, or its coordinates not in meters?"
+        )
+
+
+def _bare_ground(case: ResolvedCase) -> Iterator[str]:
+    floor = case.walls.floor
+    if isinstance(case.geometry, ResolvedTerrain) and floor.friction is None:
+        yield (
+            f"walls.floor: {floor.slip}, without a law of friction; over a terrain a flow is a few "
+            "rows of particles deep, and a law like that of Voellmy, walls.floor.friction, says "
+            "what holds it"
+        )
+
+
 DOUBTS = (
     _gravity,
     _densities,
@@ -164,4 +214,6 @@ DOUBTS = (
     _supply,
     _fast_walls,
     _thin_parts,
+    _steep_ground,
+    _bare_ground,
 )

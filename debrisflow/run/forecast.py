@@ -9,11 +9,11 @@ import numpy as np
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.built import HEAD, Rounded
-from debrisflow.case.defaults import LEAST_SOUND_RATIO
+from debrisflow.case.defaults import LEAST_SOUND_RATIO, TERRAIN_SOUND_RATIO
 from debrisflow.case.doubts import doubts, rows_over_depths
 from debrisflow.case.estimate import particle_estimate, size
-from debrisflow.case.resolved import ResolvedExplicitScheme
-from debrisflow.case.speeds import fall_speed
+from debrisflow.case.resolved import ResolvedExplicitScheme, ResolvedTerrain
+from debrisflow.case.speeds import collapse_speed, fall_speed
 from debrisflow.case.tables import EXPLICIT_RADIUS
 from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
@@ -40,12 +40,15 @@ class Sound:
     ratio : float
         c over the largest speed.
     compression : float
-        rho g H / (rho c^2) of a column as high as fills and supply.
+        rho g H / (rho c^2) of a column as high as fills and supply, or as the deepest release.
+    least : float
+        Of c over the largest speed, from which on a flow is nearly incompressible.
     """
 
     speed: float
     ratio: float
     compression: float
+    least: float = LEAST_SOUND_RATIO
 
     def __str__(self) -> str:
         """Return the figures as a readable line, with a warning if they are poor."""
@@ -53,10 +56,10 @@ class Sound:
             f"{self.ratio:.3g}: the speed of sound is {self.speed:.3g} m/s, "
             f"the compression at rest {100 * self.compression:.2g} %"
         )
-        if self.ratio < LEAST_SOUND_RATIO * (1 - 1e-9):
-            enough = self.speed * LEAST_SOUND_RATIO / self.ratio
+        if self.ratio < self.least * (1 - 1e-9):
+            enough = self.speed * self.least / self.ratio
             line += (
-                f"\nwarning        c/u = {self.ratio:.3g}: below {LEAST_SOUND_RATIO:g}, "
+                f"\nwarning        c/u = {self.ratio:.3g}: below {self.least:g}, "
                 f"the flow is compressible; scheme.sound_speed = {enough:.3g} m/s would do"
             )
         return line
@@ -77,7 +80,10 @@ class Forecast:
     first_step, smallest_step : float, s
         Time step at the start, and at the largest speed.
     largest_speed : float, m/s
-        That of a free fall through the height of fills and supply, added to the given speeds.
+        That of a free fall through the height of fills and supply, added to the given speeds; on a
+        terrain that at which friction holds the flow.
+    by : str
+        What is expected to bring about that speed.
     fewest_steps, steps : int
         Steps to the end if all are as long as the first, and as short as the smallest.
     fluid : float
@@ -103,6 +109,7 @@ class Forecast:
     first_step: float
     smallest_step: float
     largest_speed: float
+    by: str
     fewest_steps: int
     steps: int
     fluid: float
@@ -145,7 +152,7 @@ class Forecast:
                 f"lambda = {lattice.laplacian_lambda:.4g} m2, {lattice.neighbors} neighbors"
                 + warning,
                 f"first step     {self.first_step:.3g} s",
-                f"largest speed  {self.largest_speed:.3g} m/s by free fall, "
+                f"largest speed  {self.largest_speed:.3g} m/s by {self.by}, "
                 f"there the step is {self.smallest_step:.3g} s",
                 f"c/u            {sound}",
                 f"steps          about {self.steps:,} at that step",
@@ -202,6 +209,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
     """
     given, speed = speeds(case)
     space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
+    released = case.release, case.gravity
     first, smallest = step_at(case, given), step_at(case, speed)
     whole = case.time.end + case.time.settling
     counts = _counts(case)
@@ -213,6 +221,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
         first_step=first,
         smallest_step=smallest,
         largest_speed=speed,
+        by="friction at most" if isinstance(case.geometry, ResolvedTerrain) else "free fall",
         fewest_steps=ceil(whole / first),
         steps=ceil(whole / smallest),
         fluid=mean_number(case, sum(counts.get(name, 0) for name in PHASES)),
@@ -220,7 +229,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
         memory=particle_estimate(case)["memory"],
         disk=float(frames * sum(counts.values()) * BYTES_ON_DISK),
         frames=frames,
-        sound=_sound(case, speed, fall_speed(*space)),
+        sound=_sound(case, speed, max(fall_speed(*space), collapse_speed(*released))),
         poor=_poor(case),
         doubts=[*doubts(case), *encounters(case)],
         rounded=differences(case),
@@ -241,7 +250,9 @@ def _sound(case: ResolvedCase, speed: float, fall: float) -> Sound | None:
     if not isinstance(case.scheme, ResolvedExplicitScheme):
         return None
     c = case.scheme.sound_speed
-    return Sound(c, c / speed if speed > 0 else float("inf"), fall**2 / (2.0 * c**2))
+    is_terrain = isinstance(case.geometry, ResolvedTerrain)
+    least = TERRAIN_SOUND_RATIO if is_terrain else LEAST_SOUND_RATIO
+    return Sound(c, c / speed if speed > 0 else float("inf"), fall**2 / (2.0 * c**2), least)
 
 
 def _counts(case: ResolvedCase) -> dict[str, int]:

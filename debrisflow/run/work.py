@@ -9,8 +9,13 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.case.estimate import particle_estimate
-from debrisflow.case.resolved import ResolvedExplicitScheme
+from debrisflow.case.resolved import (
+    ResolvedExplicitScheme,
+    ResolvedHydrographRelease,
+    ResolvedTerrain,
+)
 from debrisflow.case.speeds import fall_speed, given_speed
+from debrisflow.case.terrain_speeds import expected_speed
 from debrisflow.particles.supply import supply
 from debrisflow.space.fills import inflow_section
 
@@ -33,14 +38,32 @@ def step_at(case: ResolvedCase, speed: float) -> float:
 
 
 def speeds(case: ResolvedCase) -> tuple[float, float]:
-    """Return the speed given in the case, and that of a free fall through its height added, m/s."""
-    given = given_speed(case.fill, case.inflow, case.geometry, case.walls)
+    """Return the speed given in the case, and that of a free fall through its height added, m/s.
+
+    On a terrain the second is that which friction lets the flow reach, if it is greater.
+    """
+    given = given_speed(case.fill, case.inflow, case.geometry, case.walls, case.release)
+    if isinstance(case.geometry, ResolvedTerrain):
+        reached = expected_speed(
+            case.geometry, case.release, case.zone, case.walls.floor, case.gravity
+        )
+        return given, max(given, reached)
     space = case.fill, case.inflow, case.geometry, case.particles, case.gravity
     return given, given + fall_speed(*space, to_floor=True)
 
 
 def growth(case: ResolvedCase, time: float) -> float:
-    """Return how many particles the supply brings at a time, 1/s."""
+    """Return how many particles inflow and hydrographs bring at a time, 1/s."""
+    if case.release:
+        return sum(
+            float(
+                np.interp(
+                    time - part.start, part.hydrograph.time, part.hydrograph.discharge, 0.0, 0.0
+                )
+            )
+            for part in case.release
+            if isinstance(part, ResolvedHydrographRelease)
+        ) / (case.particles.spacing**3)
     if case.inflow is None:
         return 0.0
     section = inflow_section(case)
