@@ -198,9 +198,11 @@ def type_of(prop: dict[str, Any], schema: dict[str, Any]) -> str:
         return "table"
     if prop.get("type") == "array":
         least, most = prop.get("minItems", 0), prop.get("maxItems")
+        entry = (prop.get("prefixItems") or [prop.get("items", {})])[0]
+        what = "points" if entry.get("type") == "array" else "numbers"
         if most is None:
-            return "list of numbers"
-        return f"{most} numbers" if least == most else f"{least} or {most} numbers"
+            return f"list of {what}"
+        return f"{most} {what}" if least == most else f"{least} or {most} {what}"
     return SCALARS[prop["type"]]
 
 

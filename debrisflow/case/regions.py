@@ -280,5 +280,5 @@ def _extents_of(terrain: ResolvedTerrain) -> Region:
     """Return the space over a terrain, on the map where its lengths are."""
     if isinstance(terrain, MappedTerrain):
         west, south, east, north = terrain.crop
-        return Region((west, south, terrain.origin[2]), (east, north, terrain.top))
+        return Region((west, south, terrain.origin[2]), (east, north, terrain.upper_level))
     return Region((0.0, 0.0, 0.0), (terrain.length, terrain.width, terrain.height))

@@ -66,7 +66,7 @@ class ResolvedTerrain(Terrain):
 
     crop: Box = _known(Terrain, "crop")
     cell: float = _known(Terrain, "cell")
-    top: float = _known(Terrain, "top")
+    upper_level: float = _known(Terrain, "upper_level")
     origin: Point = _known(Terrain, "origin")
 
     @property
@@ -77,7 +77,7 @@ class ResolvedTerrain(Terrain):
     @property
     def height(self) -> float:
         """Level of the top of the space over the origin, m."""
-        return self.top - self.origin[2]
+        return self.upper_level - self.origin[2]
 
 
 class MappedTerrain(ResolvedTerrain):

@@ -258,8 +258,8 @@ class ExplicitScheme(Table):
     )
     sound_speed: float | None = quantity(
         "m/s",
-        "numerical speed of sound c; ten times the speed of a free fall through the fills if "
-        "left out",
+        "numerical speed of sound c; ten times the speed of a free fall through the fills, on a "
+        "terrain six times that which friction lets the flow reach, if left out",
         None,
         gt=0,
     )
@@ -268,7 +268,7 @@ class ExplicitScheme(Table):
     density_relaxation: float | None = quantity(
         "s",
         "time in which the density follows that summed over the particles; that of a free fall "
-        "through the fills if left out",
+        "through what is filled or set free if left out",
         None,
         gt=0,
     )

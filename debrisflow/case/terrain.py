@@ -41,7 +41,7 @@ class Terrain(Table):
         None,
         gt=0,
     )
-    top: float | None = quantity(
+    upper_level: float | None = quantity(
         "m",
         "elevation at which the computed space ends; 50 spacings, and at least 20 m, above the "
         "highest ground if left out",

@@ -51,7 +51,7 @@ def built_terrain(
         terrain.model_copy(update={"crop": None}),
         crop=box,
         cell=cell_of_surface(levels.grid.cell, spacing),
-        top=ROUND * ceil((float(np.nanmax(levels.values)) + above) / ROUND),
+        upper_level=ROUND * ceil((float(np.nanmax(levels.values)) + above) / ROUND),
         origin=(west, south, base),
     )
 

@@ -386,9 +386,9 @@ def terrain_origin(geometry: Geometry) -> Problems:
     if level >= lowest:
         message = f"its third number must be below the lowest ground, {lowest:.6g} m"
         yield Problem("geometry.origin", message, geometry.origin)
-    if geometry.top <= highest:
+    if geometry.upper_level <= highest:
         message = f"must be above the highest ground, {highest:.6g} m"
-        yield Problem("geometry.top", message, geometry.top)
+        yield Problem("geometry.upper_level", message, geometry.upper_level)
 
 
 def _name(path: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import cos, inf, log, radians, sin, sqrt, tan
 
 import numpy as np
@@ -58,7 +59,7 @@ def expected_speed(
         fastest = max(fastest, sqrt(2.0 * g * deepest))
         share = 1.0 - part.pore_pressure
         lines = [share * _sliding(law) for law in laws]
-        drop, slope = _reach(terrain.levels, part, max(min(lines), LEAST_FRICTION))
+        drop, slope = _reach(terrain, part, max(min(lines), LEAST_FRICTION))
         held = max(
             _held_speed(law, line, depth, slope, g) for law, line in zip(laws, lines, strict=True)
         )
@@ -108,17 +109,18 @@ def _held_speed(law: object, sliding: float, depth: float, slope: float, g: floa
     return inf
 
 
-def _reach(levels: Raster, part: AnyRelease, line: float) -> tuple[float, float]:
+@lru_cache(maxsize=32)
+def _reach(terrain: Terrain, part: AnyRelease, line: float) -> tuple[float, float]:
     """Return the greatest drop of the energy line over ground, m, and the steep slope, rad.
 
     Parameters
     ----------
-    levels : Raster
+    terrain : Terrain
     part : release
     line : float
         Fall of the energy line.
     """
-    grid = levels.grid
+    levels, grid = terrain.levels, terrain.levels.grid
     x = grid.west + (np.arange(grid.columns) + 0.5) * grid.cell
     y = grid.north - (np.arange(grid.rows) + 0.5) * grid.cell
     start = _start(levels, part)

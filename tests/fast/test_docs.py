@@ -21,11 +21,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 import matplotlib
+import numpy as np
 import pytest
+import shapely
 from click.testing import CliRunner
 
 import debrisflow
 from debrisflow.case import load_case
+from debrisflow.case.rasters import MapGrid, Raster, write_raster
+from debrisflow.case.vectors import write_polygons
 from debrisflow.cli import main
 
 ROOT = Path(__file__).parents[2]
@@ -170,7 +174,17 @@ def test_cases_are_valid(page, folder):
         if "title" not in given:
             base = folder / "cases" / f"{block.note.removeprefix('tables of ')}.toml"
             given = tomllib.loads(base.read_text(encoding="utf-8")) | given
+        if given["geometry"]["type"] == "terrain":
+            write_map(folder)
         load_case(write_case(folder / "block.toml", given))
+
+
+def write_map(folder: Path) -> None:
+    """Write the files on a map that the pages name."""
+    slope = np.tile(500.0 - 0.3 * 5.0 * np.arange(100.0), (60, 1))
+    write_raster(folder / "dem.tif", Raster(MapGrid(0.0, 0.0, 5.0, 100, 60), slope))
+    for name, x in (("scar", 50.0), ("fan", 300.0)):
+        write_polygons(folder / f"{name}.gpkg", [shapely.box(x, 100.0, x + 50.0, 150.0)])
 
 
 def write_case(path: Path, given: dict) -> Path:

@@ -84,7 +84,7 @@ class TestResolved:
         assert (ground.length, ground.width, ground.periodic) == (300.0, 120.0, False)
         # lowest 191.7 m less ten spacings, highest 299.1 m and fifty spacings: rounded to 10 m
         assert ground.origin == (WEST, SOUTH, 180.0)
-        assert (ground.top, ground.height) == (350.0, 170.0)
+        assert (ground.upper_level, ground.height) == (350.0, 170.0)
         assert ground.cell == CELL
 
     def test_three_dimensions_and_their_scheme(self, build: Build) -> None:
