@@ -15,6 +15,7 @@ from debrisflow.case import (
     motion_checks,
     obstacle_checks,
     probe_checks,
+    release_checks,
     rheology_checks,
     space_checks,
     terrain_checks,
@@ -348,6 +349,7 @@ def memory_suffices(
 AS_ASKED: tuple[Callable[..., Problems], ...] = (
     *space_checks.AS_ASKED,
     *terrain_checks.AS_ASKED,
+    *release_checks.AS_ASKED,
     supply_across_channel,
     one_way_of_supply,
 )
@@ -370,5 +372,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     density_relaxation_slow,
     *probe_checks.CHECKS,
     *terrain_checks.CHECKS,
+    *release_checks.CHECKS,
     memory_suffices,
 )

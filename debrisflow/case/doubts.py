@@ -16,7 +16,7 @@ from debrisflow.case.built import LARGEST_MISFIT, enough
 from debrisflow.case.defaults import LARGEST_PATH, phases
 from debrisflow.case.motion import Motion
 from debrisflow.case.polygons import share_without_rows
-from debrisflow.case.released import area, greatest_discharge, length_of, volume
+from debrisflow.case.released import area, entering_depth, volume
 from debrisflow.case.resolved import (
     ResolvedCase,
     ResolvedHydrographRelease,
@@ -127,8 +127,7 @@ def _depths(case: ResolvedCase) -> dict[str, float]:
 def _depth_of(part: ResolvedRelease) -> float:
     """Return the mean depth of a release, and that in which a hydrograph enters at its peak, m."""
     if isinstance(part, ResolvedHydrographRelease):
-        discharge = greatest_discharge(part.hydrograph)
-        return discharge / (part.velocity * length_of(part.line))
+        return entering_depth(part)
     return volume(part) / area(part)
 
 

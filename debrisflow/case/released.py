@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from debrisflow.case.rasters import Raster, read_raster
 from debrisflow.case.releases import (
     AnyRelease,
-    Hydrograph,
     HydrographRelease,
     PolygonRelease,
     RasterRelease,
@@ -120,6 +119,7 @@ def volume(release: AnyRelease) -> float:
 
     Examples
     --------
+    >>> from debrisflow.case.releases import Hydrograph
     >>> flood = Hydrograph(time=(0.0, 10.0, 20.0), discharge=(0.0, 8.0, 0.0), concentration=(0.0,))
     >>> volume(
     ...     HydrographRelease(
@@ -141,9 +141,12 @@ def volume(release: AnyRelease) -> float:
     return (release.depth or 0.0) * area(release)
 
 
-def greatest_discharge(graph: Hydrograph) -> float:
-    """Return the greatest discharge of a hydrograph, m3/s."""
-    return max(graph.discharge)
+def entering_depth(release: HydrographRelease) -> float:
+    """Return how deep a flow enters over its line at its greatest discharge, m."""
+    if isinstance(release.line, str) or isinstance(release.hydrograph, str):
+        raise TypeError("line and hydrograph are not read")
+    peak = max(release.hydrograph.discharge)
+    return peak / (release.velocity * length_of(release.line))
 
 
 def length_of(line: Segment) -> float:

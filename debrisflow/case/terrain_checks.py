@@ -1,50 +1,35 @@
-"""Checks of a terrain, its zones and what is set free on it."""
+"""Checks of a terrain and its zones."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from math import cos, isclose, radians, sin
+from collections.abc import Callable
+from math import isclose
 from pathlib import Path
 
 import numpy as np
 import shapely
 
-from debrisflow.case.hydrograph import faults_of
-from debrisflow.case.problems import Problem, Problems, was_set
-from debrisflow.case.rasters import Raster, read_raster
+from debrisflow.case.problems import Problem, Problems
+from debrisflow.case.rasters import read_raster
 from debrisflow.case.released import (
-    area,
-    depths,
-    direction_down,
-    greatest_depth,
-    length_of,
     outline,
-    volume,
 )
 from debrisflow.case.releases import (
     AnyRelease,
-    HydrographRelease,
     PolygonRelease,
-    RasterRelease,
-    Segment,
     Zone,
 )
 from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.case.shapes import Geometry
-from debrisflow.case.tables import AnyObstacle, AnyScheme, Gravity, Particles, Walls
-from debrisflow.case.terrain import Box, Terrain
-from debrisflow.case.words import either, place
+from debrisflow.case.tables import AnyObstacle, AnyScheme, Gravity, Walls
+from debrisflow.case.terrain import Terrain
+from debrisflow.case.words import borders_told, either, place
 
 Releases = tuple[AnyRelease, ...]
 Zones = tuple[Zone, ...]
 
 FEWEST_CELLS = 8  # of a terrain along each side
 HIGHEST = 9000.0  # m, above all ground
-DEEPEST = 100.0  # m, of a release
-CELLS_TO_NODATA = 10  # of the DEM, from a release
-FEWEST_PARTICLES = 30  # of a release
-FEWEST_SPACINGS = 3  # of a line over which a flow enters
-ALONG = 60.0  # degrees off the normal of a line, from which on a flow hardly crosses it
 FLAT = 1e-6  # of the square of the way around a polygon, which encloses nothing below that
 
 
@@ -71,10 +56,8 @@ def terrain_cropped(geometry: Geometry) -> Problems:
             return
         slack = 0.5 * grid.cell
         if min(west - grid.west, south - grid.south, grid.east - east, grid.north - north) < -slack:
-            message = (
-                f"not inside the DEM, {_as_words((grid.west, grid.south, grid.east, grid.north))}"
-            )
-            yield Problem("geometry.crop", message, geometry.crop)
+            whole = borders_told((grid.west, grid.south, grid.east, grid.north))
+            yield Problem("geometry.crop", f"not inside the DEM, {whole}", geometry.crop)
             return
     levels = geometry.levels
     if min(levels.grid.shape) < FEWEST_CELLS:
@@ -83,7 +66,7 @@ def terrain_cropped(geometry: Geometry) -> Problems:
             f"which must be at least {FEWEST_CELLS} each way"
         )
         key = "geometry.dem" if geometry.crop is None else "geometry.crop"
-        value = _name(geometry.dem) if geometry.crop is None else geometry.crop
+        value = file_name(geometry.dem) if geometry.crop is None else geometry.crop
         yield Problem(key, message, value)
     elif not np.isfinite(levels.values).any():
         yield Problem("geometry.crop", "the DEM has no data there", geometry.crop)
@@ -99,7 +82,7 @@ def terrain_levels(geometry: Geometry) -> Problems:
             f"its highest level is {highest:.6g}, more than any ground in meters; convert feet or "
             "centimeters to meters"
         )
-        yield Problem("geometry.dem", message, _name(geometry.dem))
+        yield Problem("geometry.dem", message, file_name(geometry.dem))
 
 
 def terrain_surface(geometry: Geometry) -> Problems:
@@ -145,182 +128,6 @@ def _fault_of(corners: tuple[tuple[float, float], ...]) -> str:
     return ""
 
 
-def amounts_given(release: Releases) -> Problems:
-    """Check that a mass has a depth or a volume, and that depths of a raster have one sign."""
-    for k, part in enumerate(release):
-        if isinstance(part, PolygonRelease):
-            if part.depth is None and part.volume is None:
-                yield Problem(f"release.{k}", "give its depth or its volume")
-            elif part.depth is not None and part.volume is not None:
-                message = f"release.{k}.depth is given as well; leave one of them out"
-                yield Problem(f"release.{k}.volume", message, part.volume)
-        elif isinstance(part, RasterRelease):
-            values = read_raster(Path(part.file)).values
-            least, most = float(np.nanmin(values)), float(np.nanmax(values))
-            if least < 0.0 < most:
-                message = (
-                    f"has depths of both signs, {least:.4g} to {most:.4g} m; leave only what is "
-                    "set free"
-                )
-                yield Problem(f"release.{k}.file", message, _name(part.file))
-            elif least == most == 0.0:
-                yield Problem(f"release.{k}.file", "has no depth but 0", _name(part.file))
-
-
-def hydrographs_in_order(release: Releases) -> Problems:
-    """Check that the hydrographs of releases are in order and last for some time."""
-    for k, part in enumerate(release):
-        if not isinstance(part, HydrographRelease) or isinstance(part.hydrograph, str):
-            continue
-        key, graph = f"release.{k}.hydrograph", part.hydrograph
-        yield from faults_of(graph, key)
-        if len(graph.time) == 1:
-            message = "must have two times at least: that at which it begins, and that of its end"
-            yield Problem(f"{key}.time", message, graph.time)
-
-
-def lines_long(release: Releases, particles: Particles) -> Problems:
-    """Check that a line over which a flow enters is some spacings long."""
-    for k, line in _lines(release):
-        length, least = length_of(line), FEWEST_SPACINGS * particles.spacing
-        if length < least:
-            message = (
-                f"{length:.3g} m long; must be at least {FEWEST_SPACINGS} spacings, {least:g} m"
-            )
-            yield Problem(f"release.{k}.line", message, line)
-
-
-def _lines(release: Releases) -> Iterator[tuple[int, Segment]]:
-    for k, part in enumerate(release):
-        if isinstance(part, HydrographRelease) and not isinstance(part.line, str):
-            yield k, part.line
-
-
-def releases_on_ground(geometry: Geometry, release: Releases) -> Problems:
-    """Check that releases lie on the part of the DEM that is computed, far enough from gaps."""
-    if not isinstance(geometry, ResolvedTerrain):
-        return
-    levels, space = geometry.levels, shapely.box(*geometry.crop)
-    for k, part in enumerate(release):
-        shape = _shape_of(part)
-        key, value = _where(f"release.{k}", part)
-        inside = shapely.box(*shape.bounds).within(space) or shape.within(space)
-        if not inside:
-            how = "partly" if shape.intersects(space) else "wholly"
-            message = (
-                f"lies {how} outside the terrain: it reaches over {_as_words(shape.bounds)}, the "
-                f"terrain over {_as_words(geometry.crop)}"
-            )
-            yield Problem(key, message, value)
-        elif (gap := _distance_to_gap(shape, levels)) is not None:
-            where = "lies on cells" if gap <= 0.5 else f"lies {gap:.2g} cells from one"
-            message = (
-                f"{where} of the DEM without data; there must be at least {CELLS_TO_NODATA} cells "
-                "with data around it: fill the gap, or take another DEM"
-            )
-            yield Problem(key, message, value)
-
-
-def _where(key: str, part: AnyRelease) -> tuple[str, object]:
-    """Return the key and the value that say where a release is."""
-    name = "line" if isinstance(part, HydrographRelease) else "file"
-    if isinstance(part, PolygonRelease) and part.file is None:
-        name = "corners"
-    value = getattr(part, name)
-    return f"{key}.{name}", _name(value) if isinstance(value, str) else value
-
-
-def _shape_of(part: AnyRelease) -> shapely.Geometry:
-    """Return what a release covers on the map; of a raster the middles of its cells."""
-    if isinstance(part, HydrographRelease):
-        return shapely.LineString(part.line)
-    if isinstance(part, PolygonRelease):
-        return outline(part)
-    raster = depths(part)
-    grid = raster.grid
-    rows, columns = np.nonzero(raster.values)
-    x = grid.west + (columns + 0.5) * grid.cell
-    y = grid.north - (rows + 0.5) * grid.cell
-    return shapely.MultiPoint(np.stack([x, y], axis=1))
-
-
-def _distance_to_gap(shape: shapely.Geometry, levels: Raster) -> float | None:
-    """Return how far the next cell without data is, in cells; None if that is far enough."""
-    cell = levels.grid.cell
-    west, south, east, north = shape.bounds
-    reach = (CELLS_TO_NODATA + 1) * cell
-    near = levels.cropped(west - reach, south - reach, east + reach, north + reach)
-    rows, columns = np.nonzero(np.isnan(near.values))
-    if not len(rows):
-        return None
-    x = near.grid.west + (columns + 0.5) * cell
-    y = near.grid.north - (rows + 0.5) * cell
-    shapely.prepare(shape)
-    least = float(shapely.distance(shape, shapely.points(x, y)).min()) / cell
-    return least if least < CELLS_TO_NODATA else None
-
-
-def releases_sized(geometry: Geometry, release: Releases, particles: Particles) -> Problems:
-    """Check that a release is no elevation, and makes enough particles to be a flow."""
-    if not isinstance(geometry, ResolvedTerrain):
-        return
-    for k, part in enumerate(release):
-        if not isinstance(part, HydrographRelease) and (found := greatest_depth(part)) > DEEPEST:
-            name = "depth" if isinstance(part, PolygonRelease) and part.depth else "volume"
-            key = f"release.{k}." + ("file" if isinstance(part, RasterRelease) else name)
-            message = (
-                f"{found:.4g} m deep over {area(part):.4g} m2, more than {DEEPEST:g} m; a depth is "
-                "measured from the ground, and is no elevation"
-            )
-            value = getattr(part, key.rpartition(".")[2])
-            yield Problem(key, message, _name(value) if isinstance(value, str) else value)
-            continue
-        count = volume(part) / particles.spacing**3
-        if count < FEWEST_PARTICLES:
-            message = (
-                f"too small: {volume(part):.3g} m3 make {count:.0f} particles, which must be at "
-                f"least {FEWEST_PARTICLES}; particles.spacing = "
-                f"{(volume(part) / FEWEST_PARTICLES) ** (1 / 3):.2g} would do"
-            )
-            yield Problem(f"release.{k}", message)
-
-
-def water_without_grains(release: Releases) -> Problems:
-    """Check that no concentration is given for water."""
-    for k, part in enumerate(release):
-        if not isinstance(part, HydrographRelease) and part.material == "water":
-            for name in ("concentration", "pore_pressure"):
-                if was_set(part, name):
-                    message = "has no effect on the material 'water', only on 'mixture'"
-                    yield Problem(f"release.{k}.{name}", message, getattr(part, name))
-
-
-def flows_across_line(geometry: Geometry, release: Releases) -> Problems:
-    """Check that a flow that enters over a line has a direction, which crosses it."""
-    if not isinstance(geometry, ResolvedTerrain):
-        return
-    for k, line in _lines(release):
-        part = release[k]
-        on_ground = shapely.LineString(line).within(shapely.box(*geometry.crop))
-        if not isinstance(part, HydrographRelease) or not on_ground:
-            continue
-        key = f"release.{k}.direction"
-        if part.direction is None:
-            if direction_down(line, geometry.levels) is None:
-                message = "missing: the ground does not fall across the line; say to where it flows"
-                yield Problem(key, message + " (degree)")
-            continue
-        (a, b), (c, d) = line
-        east, north = sin(radians(part.direction)), cos(radians(part.direction))
-        across = abs(east * (d - b) - north * (c - a)) / length_of(line)
-        if across < cos(radians(ALONG)):
-            message = (
-                f"along the line rather than across it; within {ALONG:g} degrees of its normal is "
-                "meant, clockwise from north"
-            )
-            yield Problem(key, message, part.direction)
-
-
 def zones_on_ground(geometry: Geometry, zone: Zones) -> Problems:
     """Check that zones lie on the terrain, at least in part."""
     if not isinstance(geometry, ResolvedTerrain):
@@ -336,8 +143,8 @@ def zones_on_ground(geometry: Geometry, zone: Zones) -> Problems:
                 yield Problem(f"zone.{k}.value", message, part.value)
         elif not outline(part).intersects(shapely.box(*geometry.crop)):
             key = f"zone.{k}." + ("corners" if part.file is None else "file")
-            message = f"lies outside the terrain, {_as_words(geometry.crop)}"
-            yield Problem(key, message, part.corners if part.file is None else _name(part.file))
+            message = f"lies outside the terrain, {borders_told(geometry.crop)}"
+            yield Problem(key, message, part.corners if part.file is None else file_name(part.file))
 
 
 def zones_named(zone: Zones, obstacle: tuple[AnyObstacle, ...]) -> Problems:
@@ -391,14 +198,9 @@ def terrain_origin(geometry: Geometry) -> Problems:
         yield Problem("geometry.upper_level", message, geometry.upper_level)
 
 
-def _name(path: str) -> str:
+def file_name(path: str) -> str:
     """Return the name of a file, which the case holds by its absolute path."""
     return Path(path).name
-
-
-def _as_words(box: Box | tuple[float, ...]) -> str:
-    west, south, east, north = box
-    return f"x = [{place(west)}, {place(east)}], y = [{place(south)}, {place(north)}] m"
 
 
 AS_ASKED: tuple[Callable[..., Problems], ...] = (
@@ -407,18 +209,11 @@ AS_ASKED: tuple[Callable[..., Problems], ...] = (
     terrain_levels,
     terrain_surface,
     shapes_given,
-    amounts_given,
-    hydrographs_in_order,
-    lines_long,
 )
 CHECKS: tuple[Callable[..., Problems], ...] = (
     gravity_upright,
     terrain_of_surfaces,
     terrain_origin,
-    releases_on_ground,
-    releases_sized,
-    water_without_grains,
-    flows_across_line,
     zones_on_ground,
     zones_named,
 )

@@ -17,9 +17,8 @@ from debrisflow.case.rasters import Raster
 from debrisflow.case.released import (
     area,
     borders,
+    entering_depth,
     greatest_depth,
-    greatest_discharge,
-    length_of,
     volume,
 )
 from debrisflow.case.releases import AnyRelease, HydrographRelease, Zone
@@ -70,10 +69,7 @@ def expected_speed(
 def _depths(part: AnyRelease) -> tuple[float, float]:
     """Return the greatest depth of a release and that in motion, m."""
     if isinstance(part, HydrographRelease):
-        if isinstance(part.line, str) or isinstance(part.hydrograph, str):
-            return 0.0, 0.0
-        depth = greatest_discharge(part.hydrograph) / (part.velocity * length_of(part.line))
-        return depth, depth
+        return entering_depth(part), entering_depth(part)
     return greatest_depth(part), FREED * volume(part) / area(part)
 
 

@@ -113,7 +113,8 @@ class TestResolved:
         assert terrain(build(scar)).origin[2] == 160.0
 
     def test_a_mixture_has_its_concentration(self, build: Build) -> None:
-        case = build([RELEASE, RELEASE | {"concentration": 0.2}, RELEASE | {"material": "water"}])
+        own = RELEASE | {"concentration": 0.2, "start": 1.0}
+        case = build([RELEASE, own, RELEASE | {"material": "water", "start": 2.0}])
         assert [part.concentration for part in case.release] == [0.5, 0.2, None]
 
 
@@ -203,6 +204,11 @@ class TestReleases:
         assert greatest_depth(part) == 4.0
         x, y = np.array([WEST + 27.0, WEST + 80.0]), np.array([SOUTH + 62.0, SOUTH + 62.0])
         np.testing.assert_array_equal(depth_at(part, x, y), [4.0, 0.0])
+
+    def test_a_raster_and_a_polygon_overlap(self, build: Build, tmp_path: Path) -> None:
+        write_raster(tmp_path / "deep.asc", Raster(GRID, np.full(GRID.shape, 0.5)))
+        with pytest.raises(CaseError, match="overlaps release.0 over 400 m2 at the same time"):
+            build([RELEASE, {"type": "raster", "file": "deep.asc"}])
 
     def test_line_and_hydrograph_of_files(self, build: Build, tmp_path: Path) -> None:
         (tmp_path / "in.geojson").write_text(
