@@ -80,6 +80,9 @@ def hydrographs_in_order(release: Releases) -> Problems:
             continue
         key, graph = f"release.{k}.hydrograph", part.hydrograph
         yield from faults_of(graph, key)
+        if graph.time and graph.time[0] < 0.0:
+            message = "must be 0: the times of a release count from its start on"
+            yield Problem(f"{key}.time.0", message, graph.time[0])
         if len(graph.time) == 1:
             message = "must have two times at least: that at which it begins, and that of its end"
             yield Problem(f"{key}.time", message, graph.time)

@@ -207,7 +207,7 @@ class TestReleases:
 
     def test_a_raster_and_a_polygon_overlap(self, build: Build, tmp_path: Path) -> None:
         write_raster(tmp_path / "deep.asc", Raster(GRID, np.full(GRID.shape, 0.5)))
-        with pytest.raises(CaseError, match="overlaps release.0 over 400 m2 at the same time"):
+        with pytest.raises(CaseError, match=r"overlaps release\.0 over 400 m2 at the same time"):
             build([RELEASE, {"type": "raster", "file": "deep.asc"}])
 
     def test_line_and_hydrograph_of_files(self, build: Build, tmp_path: Path) -> None:
