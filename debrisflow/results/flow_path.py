@@ -84,24 +84,28 @@ def _flooded(
     From the edge of what is known inward, until a wanted cell is reached; what comes later, or is
     not known, has the greatest number.
     """
-    is_seen, filled = ~np.isfinite(level), level.copy()
-    order = np.full(level.shape, level.size)
-    waiting = [(float(level[i, j]), int(i), int(j)) for i, j in np.argwhere(edge)]
-    is_seen |= edge
+    width = level.shape[1] + 2  # with a rim, so that every cell has eight beside it
+    height = np.pad(level, 1, constant_values=np.nan).ravel()
+    is_seen = (~np.isfinite(height) | np.pad(edge, 1).ravel()).tolist()
+    first = np.flatnonzero(np.pad(edge, 1))
+    filled, order = height.tolist(), [level.size] * height.size
+    waiting = list(zip(height[first].tolist(), first.tolist(), strict=True))
     heapq.heapify(waiting)
-    for place in range(level.size):
-        if not waiting:
+    around = [i * width + j for i, j in AROUND]
+    place, last = 0, (wanted[0] + 1) * width + wanted[1] + 1
+    while waiting:
+        water, cell = heapq.heappop(waiting)
+        order[cell] = place
+        place += 1
+        if cell == last:
             break
-        height, i, j = heapq.heappop(waiting)
-        order[i, j] = place
-        if (i, j) == wanted:
-            break
-        for a, b in _beside(i, j, level.shape):
-            if not is_seen[a, b]:
-                is_seen[a, b] = True
-                filled[a, b] = max(float(level[a, b]), height)
-                heapq.heappush(waiting, (filled[a, b], a, b))
-    return filled, order
+        for beside in [cell + step for step in around]:
+            if not is_seen[beside]:
+                is_seen[beside] = True
+                filled[beside] = max(filled[beside], water)
+                heapq.heappush(waiting, (filled[beside], beside))
+    inner = (slice(1, -1), slice(1, -1))
+    return np.reshape(filled, (-1, width))[inner], np.reshape(order, (-1, width))[inner]
 
 
 def _descent(

@@ -90,6 +90,17 @@ class Row(NamedTuple):
     unit: str
     meaning: str
 
+    @property
+    def shown(self) -> str:
+        """Return the value with the digits that count.
+
+        Examples
+        --------
+        >>> [Row("", value, "", "").shown for value in (0.123456, 22543.2, 1e-9)]
+        ['0.1235', '22,543', '0']
+        """
+        return f"{self.value:,.0f}" if abs(self.value) >= 1000.0 else f"{round(self.value, 6):.4g}"
+
 
 class Observed(NamedTuple):
     """What was observed, on the grid of a run.
@@ -97,13 +108,11 @@ class Observed(NamedTuple):
     Attributes
     ----------
     reached : (rows, columns) bool array
-    surveyed : (rows, columns) bool array
     change : (rows, columns) float64 array or None
-        Of the elevation, m, if it was measured.
+        Of the elevation, m, if it was measured; nan where the file has no data.
     """
 
     reached: Flags
-    surveyed: Flags
     change: Floats | None
 
 
@@ -167,18 +176,18 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
     if not seen.reached.any():
         raise CaseError(f"{file}: nothing of what was observed lies on the map of {run}")
     simulated = np.nan_to_num(depth.values) > threshold
-    compared = seen.surveyed & np.isfinite(terrain.values)
+    compared = np.isfinite(terrain.values)
     agreement = contingency(seen.reached, simulated, compared)
     start = _start(run, grid)
     path = flow_path(terrain, *start)
     rows = [
         Row("threshold", threshold, "m", "depth and change of elevation from which a cell counts"),
-        *_extent_rows(agreement, simulated & ~compared, grid),
+        *_extent_rows(agreement, _unknown(seen.change) & simulated & compared, grid),
         *_distance_rows(seen.reached, simulated, path, grid),
     ]
     if seen.change is not None:
         deposit = np.nan_to_num(read_layer(run, "deposit").values)
-        rows += _deposit_rows(seen.change, deposit, compared, threshold, grid)
+        rows += _deposit_rows(np.nan_to_num(seen.change), deposit, compared, threshold, grid)
     return Comparison(terrain, seen.reached, simulated, compared, path, agreement, rows)
 
 
@@ -197,20 +206,21 @@ def _observed_extent(file: Path, grid: MapGrid) -> Observed:
     x, y = np.meshgrid(east, north)
     area: Any = shapely.union_all(polygons.shapes)
     shapely.prepare(area)
-    return Observed(shapely.contains_xy(area, x, y), np.ones(grid.shape, dtype=bool), None)
+    return Observed(shapely.contains_xy(area, x, y), None)
 
 
 def _observed_change(file: Path, grid: MapGrid, threshold: float) -> Observed:
-    """Return the cells in which a raster has changed by more than a threshold, up or down."""
+    """Return the cells in which a raster has changed by more than a threshold, up or down.
+
+    Such rasters are often cut to the event: cells without data are taken as unchanged.
+    """
     try:
         raster = read_raster(file)
     except UnreadableRasterError as error:
         raise CaseError(f"{file} {error}") from error
     _expect_system(file, raster.grid.crs, grid)
     change = on_grid(raster, grid)
-    surveyed = np.isfinite(change)
-    change = np.nan_to_num(change)
-    return Observed(np.abs(change) > threshold, surveyed, change)
+    return Observed(np.abs(np.nan_to_num(change)) > threshold, change)
 
 
 def _expect_system(file: Path, crs: str, grid: MapGrid) -> None:
@@ -279,15 +289,20 @@ def _start(run: Path, grid: MapGrid) -> tuple[float, float]:
     return x, y
 
 
-def _extent_rows(agreement: Contingency, left_out: Flags, grid: MapGrid) -> list[Row]:
+def _unknown(change: Floats | None) -> Flags | np.bool_:
+    """Return where a raster has no data; nowhere of polygons."""
+    return np.False_ if change is None else np.isnan(change)
+
+
+def _extent_rows(agreement: Contingency, unknown: Flags, grid: MapGrid) -> list[Row]:
     h, m, f, c = agreement
     area = grid.cell**2
     return [
         Row("hits", h, "cells", "observed and simulated"),
         Row("misses", m, "cells", "observed only"),
         Row("false_alarms", f, "cells", "simulated only"),
+        Row("false_alarms_no_data", int(unknown.sum()), "cells", "of these, taken as unchanged"),
         Row("correct_rejections", c, "cells", "neither"),
-        Row("not_surveyed", int(left_out.sum()), "cells", "simulated, left out of the comparison"),
         Row("observed_area", (h + m) * area, "m2", "in plan"),
         Row("simulated_area", (h + f) * area, "m2", "in plan"),
         Row("csi", agreement.csi, "", "critical success index; 1 is perfect"),
@@ -351,4 +366,4 @@ def _deposit_rows(
 def score_lines(found: Comparison) -> list[str]:
     """Return the figures as lines of a table."""
     width = max(len(row.measure) for row in found.rows)
-    return [f"{r.measure:<{width}} {r.value:>12.4g} {r.unit:<5} {r.meaning}" for r in found.rows]
+    return [f"{r.measure:<{width}} {r.shown:>9} {r.unit:<5} {r.meaning}" for r in found.rows]

@@ -3,29 +3,35 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import LightSource, ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from shapely.ops import substring
 
-from debrisflow.case.rasters import MapGrid, Raster
-from debrisflow.results.plots.style import BLUE, ORANGE, RED, WIDTH, save, styled
+from debrisflow.case.rasters import Raster
+from debrisflow.results.plots.style import BLUE, RED, WIDTH, save, styled
 from debrisflow.results.score import Comparison, Row
 from debrisflow.run.folder import POSTPROCESS
 from debrisflow.run.tables import write_table
 
 HEAD = (
     "score of the run against {observed}",
-    "extents and deposits are compared cell by cell on the grid of the DEM, where it is known and",
-    "  the change of elevation was surveyed; hss and d2pc depend on the size of that area",
+    "extents and deposits are compared cell by cell on the grid of the DEM, where it has data; hss",
+    "  and d2pc depend on the size of that area",
 )
-COLORS = {"hit": BLUE, "miss": RED, "false alarm": ORANGE}
+YELLOW = "#f0e442"  # of Okabe & Ito, too light for lines
+COLORS = {"hit": BLUE, "miss": RED, "false alarm": YELLOW}
+ENDS = {"runout_observed": ("o", RED), "runout_simulated": ("D", BLUE)}
 MARGIN = 5  # cells around the extents
+OPACITY = 0.75
 TALLEST = 1.3  # of a map, by its width
-TOLD = ("csi", "hss", "d2pc", "foc", "runout_observed", "runout_simulated", "deposit_rms")
+TOLD = ("threshold", "csi", "hss", "d2pc", "foc", "runout_error", "deposit_rms")
 
 
 def write_score(run: Path, observed: Path, found: Comparison) -> list[Path]:
@@ -43,7 +49,7 @@ def write_score(run: Path, observed: Path, found: Comparison) -> list[Path]:
     with styled():
         figure = score_figure(found)
         told = [
-            f"{r.measure} = {r.value:.3g} {r.unit}".strip() for r in found.rows if r.measure in TOLD
+            f"{r.measure} = {r.shown} {r.unit}".strip() for r in found.rows if r.measure in TOLD
         ]
         picture = save(
             figure,
@@ -73,12 +79,12 @@ def score_figure(found: Comparison) -> Figure:
         cmap=ListedColormap(list(COLORS.values())),
         vmin=0.5,
         vmax=3.5,
-        alpha=0.75,
+        alpha=OPACITY,
         interpolation="nearest",
     )
-    axes.plot(*found.path.xy, color="black", linewidth=0.8, linestyle="--")
-    axes.plot(*found.path.coords[0], "k^", markersize=5)
-    _finish(axes, extent, grid, found)
+    _draw_path(axes, found)
+    _finish(axes, extent)
+    _draw_key(figure, found)
     return figure
 
 
@@ -114,15 +120,28 @@ def _draw_terrain(
     )
 
 
-def _finish(
-    axes: Axes, extent: tuple[float, float, float, float], grid: MapGrid, found: Comparison
-) -> None:
-    """Draw what makes a map of it: coordinates, scale bar, north and a key."""
+def _draw_path(axes: Axes, found: Comparison) -> None:
+    """Draw the path as far as the flow came, and where it ended."""
+    ends = {row.measure: row.value for row in found.rows if row.measure in ENDS}
+    whole = substring(found.path, 0.0, max(ends.values()))
+    axes.plot(*whole.xy, color="black", linewidth=0.8, linestyle="--", label="flow path")
+    axes.plot(*found.path.coords[0], "k^", markersize=6, label="middle of the release")
+    for name, (marker, color) in ENDS.items():
+        place = found.path.interpolate(ends[name])
+        label = f"{name.replace('_', ' ').replace('runout', 'run-out')}: {ends[name]:.0f} m"
+        style: dict[str, Any] = {"color": color, "markeredgecolor": "white", "linestyle": "none"}
+        axes.plot(place.x, place.y, marker, markersize=6, label=label, **style)
+
+
+def _finish(axes: Axes, extent: tuple[float, float, float, float]) -> None:
+    """Draw what makes a map of it: coordinates, scale bar and north."""
     west, east, south, north = extent
     axes.set(xlim=(west, east), ylim=(south, north), xlabel="easting, m", ylabel="northing, m")
     axes.set_aspect("equal")
     axes.grid(False)
     axes.ticklabel_format(style="plain", useOffset=False)
+    axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
+    axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
     axes.tick_params(axis="y", labelrotation=90)
     length = _round_length(0.3 * (east - west))
     x, y = west + 0.04 * (east - west), south + 0.03 * (north - south)
@@ -130,22 +149,23 @@ def _finish(
     axes.text(x + 0.5 * length, y, f"{length:g} m\n", ha="center", va="baseline", fontsize=7)
     axes.annotate(
         "N",
-        (0.96, 0.14),
-        (0.96, 0.03),
+        (0.95, 0.02),
+        (0.95, 0.12),
         xycoords="axes fraction",
         ha="center",
-        arrowprops={"arrowstyle": "<-"},
+        arrowprops={"arrowstyle": "<|-", "color": "black", "shrinkA": 0.0},
     )
-    cells = found.contingency
+
+
+def _draw_key(figure: Figure, found: Comparison) -> None:
+    cells, cell = found.contingency, found.terrain.grid.cell
     counts = (cells.hits, cells.misses, cells.false_alarms)
-    handles: list[Patch | Line2D] = [
-        Patch(color=color, alpha=0.75, label=f"{name}: {count} cells of {grid.cell:g} m")
+    handles: list[Artist] = [
+        Patch(color=color, alpha=OPACITY, label=f"{name}: {count} cells of {cell:g} m")
         for (name, color), count in zip(COLORS.items(), counts, strict=True)
     ]
-    handles.append(
-        Line2D([], [], color="black", linewidth=0.8, linestyle="--", marker="^", label="flow path")
-    )
-    axes.figure.legend(handles=handles, loc="outside upper center", ncols=2, fontsize=7)
+    lines, _ = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles=[*handles, *lines], loc="outside right upper", fontsize=7)
 
 
 def _round_length(most: float) -> float:

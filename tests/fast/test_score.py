@@ -102,8 +102,8 @@ def test_a_change_of_elevation_is_compared_with_the_deposit(run: Path, tmp_path:
         "hits": 2,
         "misses": 1,
         "false_alarms": 1,
-        "correct_rejections": 4,
-        "not_surveyed": 0,  # 0.2 m of it is below the threshold
+        "correct_rejections": 5,
+        "false_alarms_no_data": 0,  # 0.2 m is below the threshold
         "runout_observed": 20.0,
         "runout_simulated": 10.0,
         "runout_difference": -10.0,
@@ -116,7 +116,7 @@ def test_a_change_of_elevation_is_compared_with_the_deposit(run: Path, tmp_path:
         "eroded_volume_observed": 200.0,
     }
     assert {name: found[name] for name in expected} == pytest.approx(expected)
-    assert figures(run, file, 0.1)["not_surveyed"] == 1
+    assert figures(run, file, 0.1)["false_alarms_no_data"] == 1
 
 
 def test_a_finer_survey_is_averaged_and_a_coarser_one_sampled() -> None:
@@ -161,7 +161,7 @@ def test_the_command_writes_a_table_and_a_map(run: Path, tmp_path: Path) -> None
     write_raster(file, Raster(GRID, np.array(CHANGE)))
     result = CliRunner().invoke(main, ["score", str(run), "--observed", str(file)])
     assert result.exit_code == 0, result.output
-    assert "csi                               0.5" in result.stdout
+    assert "csi                            0.5" in result.stdout
     table = (run / "postprocess" / "score.csv").read_text().splitlines()
     assert "csi,0.5,,critical success index; 1 is perfect" in table
     with Image.open(run / "postprocess" / "score.png") as picture:
