@@ -122,8 +122,8 @@ Change = Callable[[str], str]
             "class 1 'high': peak_speed = 2 must be text like '> 1.0'",
         ),
         (
-            lambda text: text.replace('"> strength"', '"> strenght"'),
-            "'strenght' is neither a number nor a [limit]; did you mean 'strength'?",
+            lambda text: text.replace('"> strength"', '"> strengths"'),
+            "'strengths' is neither a number nor a [limit]; did you mean 'strength'?",
         ),
         (lambda text: text.replace("#ff0000", "red"), "color = 'red' must be text like '#d7191c'"),
         (lambda text: text.replace("any =", "all ="), "class 1: unknown key 'all'"),
