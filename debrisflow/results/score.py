@@ -173,10 +173,10 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
         threshold = LEAST_CHANGE if is_raster else 0.0
     grid = depth.grid
     seen = _observed_change(file, grid, threshold) if is_raster else _observed_extent(file, grid)
-    if not seen.reached.any():
+    compared = np.isfinite(terrain.values)
+    if not (seen.reached & compared).any():
         raise CaseError(f"{file}: nothing of what was observed lies on the map of {run}")
     simulated = np.nan_to_num(depth.values) > threshold
-    compared = np.isfinite(terrain.values)
     agreement = contingency(seen.reached, simulated, compared)
     start = _start(run, grid)
     path = flow_path(terrain, *start)

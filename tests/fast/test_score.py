@@ -119,6 +119,15 @@ def test_a_change_of_elevation_is_compared_with_the_deposit(run: Path, tmp_path:
     assert figures(run, file, 0.1)["false_alarms_no_data"] == 1
 
 
+def test_a_flow_that_has_not_come_to_rest_has_no_deposit(run: Path, tmp_path: Path) -> None:
+    write_raster(run / "layers" / "deposit.tif", Raster(GRID, np.full((3, 3), NAN)))
+    file = tmp_path / "dod.tif"
+    write_raster(file, Raster(GRID, np.array(CHANGE)))
+    found = figures(run, file)
+    assert found["deposit_volume_simulated"] == 0.0
+    assert found["deposit_rms"] == pytest.approx(math.sqrt((1.5**2 + 0.5**2) / 2))
+
+
 def test_a_finer_survey_is_averaged_and_a_coarser_one_sampled() -> None:
     fine = Raster(MapGrid(1000.0, 2000.0, 5.0, 6, 6), np.arange(36.0).reshape(6, 6))
     np.testing.assert_allclose(on_grid(fine, GRID)[0], [3.5, 5.5, 7.5])
