@@ -95,9 +95,9 @@ _window = click.option(
 
 
 def _finite(_: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
-    """Refuse a time that is no number or without end."""
+    """Refuse what is no number or without end."""
     if value is not None and not math.isfinite(value):
-        raise click.BadParameter(f"{value} is not a time", param=parameter)
+        raise click.BadParameter(f"{value} is no finite number", param=parameter)
     return value
 
 
@@ -375,6 +375,33 @@ def hazard(folder: Path, classes: str) -> None:
     for line in area_lines(found):
         click.echo(line)
     _print_files(write_hazard(folder, found))
+
+
+@main.command()
+@_results
+@click.option(
+    "--observed",
+    type=_PATH,
+    required=True,
+    help="Polygons of the reached area (.gpkg, .geojson, .shp), or a raster of the change of "
+    "elevation (.tif, .asc).",
+)
+@click.option(
+    "--threshold",
+    type=click.FloatRange(min=0.0),
+    callback=_finite,
+    help="Depth, and change of elevation, from which a cell counts, m; 0.3 for a raster if left "
+    "out, and wherever the layers of the run have data for polygons.",
+)
+def score(folder: Path, observed: Path, threshold: float | None) -> None:
+    """Compare the run in the folder RUN, on a terrain, with an observed extent or deposit."""
+    from debrisflow.results.score import compare_with_observed, score_lines
+    from debrisflow.results.score_map import write_score
+
+    found = compare_with_observed(folder, observed, threshold)
+    for line in score_lines(found):
+        click.echo(line)
+    _print_files(write_score(folder, observed, found))
 
 
 @main.command()

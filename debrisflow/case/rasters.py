@@ -112,6 +112,19 @@ class Raster(NamedTuple):
         return Raster(kept, values)
 
 
+class EmptyRasterError(UnreadableRasterError):
+    """All cells of a raster are without data, which a layer of a run may be and a DEM not.
+
+    Parameters
+    ----------
+    raster : Raster
+    """
+
+    def __init__(self, raster: Raster) -> None:
+        super().__init__("holds no value: all its cells are without data")
+        self.raster = raster
+
+
 def raster_of_plan(grid: MapGrid, plan: Floats) -> Raster:
     """Return a raster of values along x from the west and y from the south, (columns, rows)."""
     return Raster(grid, np.ascontiguousarray(np.asarray(plan, dtype=float).T[::-1]))
@@ -133,7 +146,7 @@ def read_raster(path: Path) -> Raster:
         reason = (error.strerror or str(error)).lower()
         raise UnreadableRasterError(f"cannot be read: {reason}") from error
     if not np.isfinite(raster.values).any():
-        raise UnreadableRasterError("holds no value: all its cells are without data")
+        raise EmptyRasterError(raster)
     raster.values.flags.writeable = False  # shared by all who ask
     return raster
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ from debrisflow.run.layer_styles import palette
 from debrisflow.run.layers import ENDINGS, polygons_of
 from debrisflow.run.tables import write_table
 
+LINE = 100  # letters
 COLUMNS = ("class", "number", "cells", "area", "share")
 
 
@@ -152,4 +154,4 @@ def area_lines(found: HazardMap) -> list[str]:
         f"{a.name:<{width}}  {a.number:6d}  {a.cells:5d}  {a.area:13,.0f}  {100 * a.share:5.1f} %"
         for a in found.areas
     ]
-    return [*lines, f"source: {found.classes.source}"]
+    return [*lines, *textwrap.wrap(f"source: {found.classes.source}", LINE)]

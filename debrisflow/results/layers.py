@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from debrisflow.case.rasters import Raster, UnreadableRasterError, read_raster
+from debrisflow.case.rasters import EmptyRasterError, Raster, UnreadableRasterError, read_raster
 from debrisflow.errors import OutputError
 from debrisflow.run.layers import ENDINGS, FOLDER, LAYERS
 
@@ -26,7 +26,7 @@ def layer_names(run: Path) -> list[str]:
 
 
 def read_layer(run: Path, name: str) -> Raster:
-    """Return a layer of a run.
+    """Return a layer of a run; nan where it has no data, which may be everywhere.
 
     Parameters
     ----------
@@ -45,6 +45,8 @@ def read_layer(run: Path, name: str) -> Raster:
         raise OutputError(f"{run} has no layer '{name}', but {', '.join(layer_names(run))}")
     try:
         return read_raster(file)
+    except EmptyRasterError as empty:
+        return empty.raster
     except UnreadableRasterError as error:
         raise OutputError(f"{file} {error}") from error
 

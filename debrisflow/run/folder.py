@@ -64,6 +64,8 @@ DERIVED = (
     "probes.png",
     "profiles.png",
     "report.html",
+    "score.csv",
+    "score.png",
     SURFACES,
 )
 
@@ -243,6 +245,7 @@ def _results(path: Path) -> Iterator[Path]:
         (MOVING, r"\d{6,}\.vtp"),
         (PICTURES, r"(side|plan|perspective)_\w+\.(png|gif)"),
         (f"{POSTPROCESS}/{Path(SURFACES).stem}", r"\d{6,}\.vtp"),
+        (POSTPROCESS, r"class_.+\.(tif|asc|prj|qml|geojson|csv)"),
     ):
         ours = re.compile(f"{name}({re.escape(UNFINISHED)})?")
         yield from (file for file in path.glob(f"{folder}/*") if ours.fullmatch(file.name))

@@ -63,9 +63,9 @@ def test_the_swiss_classes_need_depth_and_speed(run: Path) -> None:
 
 
 def test_the_japanese_classes_compare_force_with_strength(run: Path) -> None:
-    # 0.5 m bears 13.8 kN/m2, 1.5 m 5.7; 2.5 m is marked by its depth, 120 kN/m2 by the force
+    # 0.5 m bears 13.8 kN/m2 and 2.5 m 4.6; 60 kN/m2 are marked over 1 m deep, 120 at any depth
     found = hazard_map(run, read_classes("japan"))
-    np.testing.assert_array_equal(found.raster.values, [[NAN, 1.0, 3.0], [3.0, 3.0, 1.0]])
+    np.testing.assert_array_equal(found.raster.values, [[NAN, 1.0, 3.0], [1.0, 3.0, 1.0]])
     strength = read_classes("japan").limits["strength"]
     depth = np.linspace(0.05, 2.8, 500)
     formula = 35.3 / (depth * (5.6 - depth))
@@ -122,8 +122,8 @@ Change = Callable[[str], str]
             "class 1 'high': peak_speed = 2 must be text like '> 1.0'",
         ),
         (
-            lambda text: text.replace('"> strength"', '"> strenght"'),
-            "'strenght' is neither a number nor a [limit]; did you mean 'strength'?",
+            lambda text: text.replace('"> strength"', '"> strengths"'),
+            "'strengths' is neither a number nor a [limit]; did you mean 'strength'?",
         ),
         (lambda text: text.replace("#ff0000", "red"), "color = 'red' must be text like '#d7191c'"),
         (lambda text: text.replace("any =", "all ="), "class 1: unknown key 'all'"),

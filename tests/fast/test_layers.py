@@ -234,3 +234,9 @@ def test_frames_of_depth_are_continued_and_cut(tmp_path: Path) -> None:
     assert read_raster(tmp_path / "depth_000002.tif").values[0, 0] == 7.0
     assert (tmp_path / "depth.csv").read_text().splitlines()[-1] == "1.5,2"
     assert len(list(layer_files(tmp_path))) == 4
+
+
+def test_the_page_names_every_layer_with_unit_and_meaning() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "terrain_outputs.md").read_text(encoding="utf-8")
+    for name, layer in LAYERS.items():
+        assert f"| `{name}` | {layer.unit} | {layer.meaning} |" in page

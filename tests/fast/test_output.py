@@ -139,11 +139,13 @@ def test_overwriting_removes_our_files_and_no_others(tmp_path, case, state, row)
         folder.write_summary({"end_reason": "end"})
     (tmp_path / "postprocess").mkdir()
     (tmp_path / "vtu/000002.vtu.unfinished").touch()
+    (tmp_path / "postprocess/class_swiss.tif").touch()
     for file in foreign:
         file.write_text("keep")
     RunFolder.create(tmp_path, case, overwrite=True).close()
     assert all(file.read_text() == "keep" for file in foreign)
     assert [file.name for file in (tmp_path / "vtu").iterdir()] == ["mine.vtu"]
+    assert [file.name for file in (tmp_path / "postprocess").iterdir()] == ["fig.png"]
     assert not (tmp_path / "summary.json").exists()
     assert rows_of(tmp_path / "deposit.csv") == rows_of(tmp_path / "history.csv") == []
 
