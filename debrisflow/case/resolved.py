@@ -174,6 +174,11 @@ class ResolvedCase(Case):
         return self
 
     @property
+    def is_terrain(self) -> bool:
+        """Whether the space is a terrain."""
+        return isinstance(self.geometry, ResolvedTerrain)
+
+    @property
     def has_surfaces(self) -> bool:
         """Whether walls are surfaces in the solution, not particles."""
         return self.scheme.form == "stable"

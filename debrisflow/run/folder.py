@@ -17,6 +17,7 @@ from debrisflow.run.atomic import UNFINISHED, replaced
 from debrisflow.run.deposit import DepositWriter
 from debrisflow.run.grid_file import grid_files
 from debrisflow.run.history import HistoryWriter
+from debrisflow.run.ledger import LedgerWriter
 from debrisflow.run.maxima import write_maxima
 from debrisflow.run.measures import DepositProfile
 from debrisflow.run.probe import is_probe_file
@@ -30,6 +31,7 @@ CASE = "case.toml"
 FRAMES = "particles.pvd"
 DEPOSIT = "deposit.csv"
 HISTORY = "history.csv"
+LEDGER = "ledger.csv"
 MAXIMA = "maxima.csv"
 SUMMARY = "summary.json"
 LOG = "run.log"
@@ -38,7 +40,7 @@ PROBES = "probes"
 POSTPROCESS = "postprocess"
 PICTURES = "render"
 SURFACES = "surface.pvd"
-RESULTS = (CASE, FRAMES, WALLS, OBSTACLES, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
+RESULTS = (CASE, FRAMES, WALLS, OBSTACLES, DEPOSIT, HISTORY, LEDGER, MAXIMA, SUMMARY, LOG, CHECKPOINT)
 MOVING = Path(OBSTACLES).stem  # folder of the obstacles that move
 DERIVED = (
     "answers.csv",
@@ -96,6 +98,7 @@ class RunFolder:
             self._obstacles = Collection(path / OBSTACLES, MOVING, "vtp")
         self._deposit = DepositWriter(path / DEPOSIT, case.dimension)
         self._history = HistoryWriter(path / HISTORY, case.dimension)
+        self._ledger = LedgerWriter(path / LEDGER) if case.is_terrain else None
         if case.probe:
             (path / PROBES).mkdir(exist_ok=True)
         self._probes = {
@@ -169,8 +172,9 @@ class RunFolder:
         self.write_maxima(state)
 
     def write_maxima(self, state: State) -> None:
-        """Write the maxima of the run up to the time of the state."""
-        write_maxima(self.path / MAXIMA, self.case, state.time, state.maxima)
+        """Write the maxima of the run up to the time of the state; a terrain has layers instead."""
+        if not self.case.is_terrain:
+            write_maxima(self.path / MAXIMA, self.case, state.time, state.maxima)
 
     def write_deposit(self, time: float, profile: DepositProfile) -> None:
         """Append a deposit profile at a time, s."""
@@ -179,6 +183,11 @@ class RunFolder:
     def write_history(self, row: Mapping[str, float | int]) -> None:
         """Append a row of :func:`debrisflow.run.history.history_row`."""
         self._history.write(row)
+
+    def write_ledger(self, row: Row) -> None:
+        """Append a row of :func:`debrisflow.run.ledger.ledger_row`."""
+        if self._ledger is not None:
+            self._ledger.write(row)
 
     def write_probe(self, name: str, time: float, rows: Iterable[Row]) -> None:
         """Append the rows of a sample of a probe at a time, s."""
@@ -196,6 +205,8 @@ class RunFolder:
             self._obstacles.drop_after(time)
         self._deposit.truncate_after(time)
         self._history.truncate_after(time)
+        if self._ledger is not None:
+            self._ledger.truncate_after(time)
         for probe in self._probes.values():
             probe.truncate_after(time)
         for name in (MAXIMA, SUMMARY):
@@ -210,6 +221,8 @@ class RunFolder:
         """Close all files."""
         self._deposit.close()
         self._history.close()
+        if self._ledger is not None:
+            self._ledger.close()
         for probe in self._probes.values():
             probe.close()
         self.detach_log()

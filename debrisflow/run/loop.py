@@ -16,10 +16,13 @@ from debrisflow.case import ResolvedCase, load_case
 from debrisflow.case.built import HEAD
 from debrisflow.case.doubts import doubts
 from debrisflow.errors import DivergedError, NotConvergedError, OutputError
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.releases import is_pending
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.run import checkpoint
 from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder, read_summary
 from debrisflow.run.history import history_row
+from debrisflow.run.ledger import ledger_row
 from debrisflow.run.measures import deposit_profile, flow
 from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
@@ -179,7 +182,7 @@ class _Run:
         """Take steps until the end, and return why the run ended."""
         state = self.state
         while state.time < self.case.time.end:
-            if state.particles.moving.stop == 0:
+            if state.particles.moving.stop == 0 and not is_pending(self.case, state.time):
                 return EMPTY
             if self._stops_at_checkpoint():
                 return INTERRUPTED
@@ -256,10 +259,14 @@ class _Run:
 
     def _write_history(self, iterations: int) -> None:
         state, lattice, d0 = self.state, self.scheme.lattice, self.case.particles.spacing
-        found = flow(self.case, state.particles, lattice.number_density)
-        if state.time >= 0.0:
-            state.maxima.include(state.time, *found, spacing=d0)
-        reached = state.maxima.reached(found.depth, d0)
+        reached = None
+        if self.case.is_terrain:
+            self.results.write_ledger(ledger_row(self.case, state))
+        else:
+            found = flow(self.case, state.particles, lattice.number_density)
+            if state.time >= 0.0:
+                state.maxima.include(state.time, *found, spacing=d0)
+            reached = state.maxima.reached(found.depth, d0)
         self.results.write_history(history_row(self.case, state, iterations, lattice, reached))
         self._set_threads()
 

@@ -99,8 +99,13 @@ def in_walls(case: ResolvedCase, places: Floats, slack: float = 0.0) -> NDArray[
 
 
 def bodies_of(case: ResolvedCase) -> list[Body]:
-    """Return the walls and box obstacles of a case."""
+    """Return the walls and box obstacles of a case.
+
+    A terrain has no walls but its ground, and boxes on it are cut into elements as meshes are.
+    """
     shape = case.geometry
+    if case.is_terrain:
+        return []
     if isinstance(shape, ResolvedChannel3D):
         bodies = _channel(shape, case)
     elif isinstance(shape, ResolvedChannel):
