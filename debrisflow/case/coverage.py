@@ -26,28 +26,30 @@ def depth_on(release: PolygonRelease | RasterRelease, grid: MapGrid) -> Floats:
     if not i.size:
         return found
     cell = given.grid.cell
-    west, south = given.grid.west + i * cell, given.grid.south + j * cell
-    ends = [(west, west + cell, grid.west), (south, south + cell, grid.south)]
-    parts = [_shares_along(*end, grid.cell, n) for end, n in zip(ends, found.shape, strict=True)]
+    west = given.grid.west + i.astype(np.float64) * cell
+    south = given.grid.south + j.astype(np.float64) * cell
+    columns = _shares_along(west, cell, grid.west, grid.cell, grid.columns)
+    rows = _shares_along(south, cell, grid.south, grid.cell, grid.rows)
     volume = given.plan[i, j] / grid.cell**2
-    for column, wide in parts[0]:
-        for row, high in parts[1]:
+    for column, wide in columns:
+        for row, high in rows:
             np.add.at(found, (column, row), volume * wide * high)
     return found
 
 
 def _shares_along(
-    start: Floats, end: Floats, origin: float, cell: float, count: int
+    start: Floats, length: float, origin: float, cell: float, count: int
 ) -> list[tuple[NDArray[np.int64], Floats]]:
-    """Return the cells along an axis that intervals overlap, one after the other, and by what, m.
+    """Return the cells along an axis that intervals of a length overlap, and by what, m.
 
-    What lies beyond the grid overlaps by nothing.
+    First those of the first cell of each interval, then those of the second, and so on.  What lies
+    beyond the grid overlaps by nothing.
     """
-    first, most = np.floor((start - origin) / cell).astype(np.int64), float((end - start).max())
+    first = np.floor((start - origin) / cell).astype(np.int64)
     found = []
-    for k in range(int(np.ceil(most / cell)) + 1):
+    for k in range(int(np.ceil(length / cell)) + 1):
         low = origin + (first + k) * cell
-        overlap = np.minimum(end, low + cell) - np.maximum(start, low)
+        overlap = np.minimum(start + length, low + cell) - np.maximum(start, low)
         inside = (first + k >= 0) & (first + k < count)
         share = np.where(inside, np.maximum(overlap, 0.0), 0.0)
         found.append((np.clip(first + k, 0, count - 1), share))

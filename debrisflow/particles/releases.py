@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.resolved import ResolvedHydrographRelease, ResolvedRelease
+from debrisflow.case.resolved import ResolvedHydrographRelease
 from debrisflow.particles.matter import concentrations_of, reference_density, set_fraction
 from debrisflow.particles.record import Kind, Particles, blank
 from debrisflow.particles.state import State, count_phases

@@ -6,6 +6,7 @@ import numpy as np
 
 from debrisflow.case import ResolvedCase, tables
 from debrisflow.particles import hydrostatic_start
+from debrisflow.particles.layers import no_layers
 from debrisflow.particles.maxima import no_maxima
 from debrisflow.particles.releases import release_due
 from debrisflow.particles.seeding import seed
@@ -13,6 +14,7 @@ from debrisflow.particles.state import State
 from debrisflow.particles.supply import supplied_sediment, whole_sediment
 from debrisflow.space.carving import fitted
 from debrisflow.space.domain import wall_layers
+from debrisflow.space.ground import ground_of
 from debrisflow.space.plan_grid import plan
 
 
@@ -27,7 +29,9 @@ def initial_state(case: ResolvedCase) -> State:
     state = State(
         particles, no_maxima(cells), time=0.0 - case.time.settling, next_id=particles.count
     )
-    state.released = np.zeros(len(case.release), dtype=np.int64)
+    if case.is_terrain:
+        state.released = np.zeros(len(case.release), dtype=np.int64)
+        state.layers = no_layers(*ground_of(case).given.shape)
     release_due(state, case, 0.0)
     if isinstance(case.scheme, tables.ExplicitScheme):
         hydrostatic_start.jitter(particles, case)

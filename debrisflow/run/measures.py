@@ -18,8 +18,8 @@ from debrisflow.case.resolved import ResolvedExplicitScheme
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import PHASES
 from debrisflow.space.gravity import gravity_vector
-from debrisflow.space.released import source_of
 from debrisflow.space.plan_grid import Grid, Located, locate, plan, wrapped
+from debrisflow.space.released import source_of
 
 Floats = NDArray[np.float64]
 FRONT_SHARE = 0.995

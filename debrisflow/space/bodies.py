@@ -11,7 +11,12 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase, shapes
 from debrisflow.case.bodies import BoxObstacle, MeshObstacle
 from debrisflow.case.regions import surface_of
-from debrisflow.case.resolved import ResolvedChannel, ResolvedChannel3D, ResolvedChannelShape
+from debrisflow.case.resolved import (
+    ResolvedChannel,
+    ResolvedChannel3D,
+    ResolvedChannelShape,
+    ResolvedTerrain,
+)
 from debrisflow.case.shapes import plain_of, runout_of
 from debrisflow.case.triangles import cells_inside
 from debrisflow.space.domain import (
@@ -104,7 +109,7 @@ def bodies_of(case: ResolvedCase) -> list[Body]:
     A terrain has no walls but its ground, and boxes on it are cut into elements as meshes are.
     """
     shape = case.geometry
-    if case.is_terrain:
+    if isinstance(shape, ResolvedTerrain):
         return []
     if isinstance(shape, ResolvedChannel3D):
         bodies = _channel(shape, case)

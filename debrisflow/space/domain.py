@@ -23,7 +23,7 @@ FLOOR, BED, LEFT, RIGHT, CEILING, FRONT, BACK = range(len(WALL_NAMES))
 
 
 def wall_names(case: ResolvedCase) -> tuple[str, ...]:
-    """Return the names of walls, obstacles and zones of a terrain, in the order of their numbers."""
+    """Return the names of walls, obstacles and zones, in the order of their numbers."""
     return (*WALL_NAMES, *(part.name for part in (*case.obstacle, *case.zone)))
 
 

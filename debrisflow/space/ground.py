@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.rasters import MapGrid
 from debrisflow.case.coverage import depth_on, holds_middles
+from debrisflow.case.rasters import MapGrid
 from debrisflow.case.releases import HydrographRelease, PolygonRelease, RasterRelease, Zone
 from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.space.domain import FLOOR, first_zone
@@ -104,10 +104,10 @@ def smooth_surface(levels: Floats, cell: float, width: float) -> Surface:
 
     Examples
     --------
-    >>> surface = smooth_surface(np.add.outer(np.arange(0.5, 8.0), np.zeros(6)), 1.0, 2.0)
-    >>> level, along, across = surface.level_and_slope(np.array([4.0]), np.array([3.0]))
+    >>> surface = smooth_surface(np.add.outer(np.arange(0.5, 40.0), np.zeros(6)), 1.0, 2.0)
+    >>> level, along, across = surface.level_and_slope(np.array([19.0]), np.array([3.0]))
     >>> print(level.round(6), along.round(3), across.round(3) + 0.0)
-    [4.] [1.] [0.]
+    [19.] [1.] [0.]
     """
     from scipy.ndimage import distance_transform_edt, spline_filter
 
@@ -147,11 +147,9 @@ def is_taken_out(release: MassRelease) -> bool:
 
 def ground_of(case: ResolvedCase) -> Ground:
     """Return the ground of a case on a terrain."""
-    if not isinstance(case.geometry, ResolvedTerrain):
-        raise TypeError("only a terrain has a ground")
     masses = (part for part in case.release if not isinstance(part, HydrographRelease))
     scars = tuple(mass for mass in masses if is_taken_out(mass))
-    return _ground(case.geometry, scars, case.zone, first_zone(case))
+    return _ground(case.terrain, scars, case.zone, first_zone(case))
 
 
 @lru_cache(maxsize=4)

@@ -87,7 +87,8 @@ def _on_ground(
         lifted[:, :, first + 2] = np.maximum(pieces[:, :, first + 2], level)
     size = np.linalg.norm(area_vectors(lifted[:, :, :3]), axis=1)
     kept = size > LEAST_AREA * d0**2
-    return lifted[kept], ~buried.all(axis=1)[kept]
+    is_met = ~np.all(buried, axis=1)
+    return lifted[kept], is_met[kept]
 
 
 def area_vectors(corners: Floats) -> Floats:

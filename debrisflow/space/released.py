@@ -35,12 +35,22 @@ def source_of(case: ResolvedCase) -> Floats:
     """Return the place of the first release, its middle or that of its line, (2,) array, m."""
     first = min(case.release, key=lambda release: release.start)
     if isinstance(first, HydrographRelease):
-        return np.asarray(np.mean(first.line, axis=0) - case.geometry.box[:2])
+        return np.asarray(np.mean(first.line, axis=0) - case.terrain.box[:2])
     grid = ground_of(case).grid
     depth = depth_on(first, grid)
     cells = np.argwhere(depth > 0.0)
     middle: Floats = np.average(cells + 0.5, axis=0, weights=depth[depth > 0.0]) * grid.cell
     return middle
+
+
+def released_depth(case: ResolvedCase) -> Floats:
+    """Return the depth of all masses that are released, in the cells of the DEM, m."""
+    ground = ground_of(case)
+    depth = np.zeros(ground.given.shape)
+    for release in case.release:
+        if not isinstance(release, HydrographRelease):
+            depth += depth_on(release, ground.grid)
+    return depth
 
 
 def columns_of(release: MassRelease, case: ResolvedCase) -> Columns:
@@ -65,7 +75,7 @@ def columns_of(release: MassRelease, case: ResolvedCase) -> Columns:
         high = np.maximum(ground.whole.level(x, y) - ground.surface.level(x, y), 0.0)
     else:
         high = depth[ground.cells(x, y)]
-    inside = (x > 0.0) & (x < case.geometry.length) & (y > 0.0) & (y < case.geometry.width)
+    inside = (x > 0.0) & (x < case.terrain.length) & (y > 0.0) & (y < case.terrain.width)
     high[~inside] = 0.0
     return stacked(x, y, high, round(volume / d0**3), case)
 

@@ -84,7 +84,7 @@ def scene_of(case: ResolvedCase, wall_height: float) -> Scene:
 def ground_faces(case: ResolvedCase) -> list[Floats]:
     """Return the ground of a terrain as rectangles, at most a few ten thousand of them."""
     ground = ground_of(case)
-    sizes = case.geometry.length, case.geometry.width
+    sizes = case.terrain.length, case.terrain.width
     width = max(ground.surface.width, max(sizes) / MOST_FACES_ALONG)
     lines = [np.linspace(0.0, size, max(2, ceil(size / width) + 1)) for size in sizes]
     x, y = np.meshgrid(*lines, indexing="ij")
