@@ -37,7 +37,8 @@ from llvmlite.binding import get_host_cpu_name
 from debrisflow._jit import set_threads
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.schemes.semi_implicit import SemiImplicit
 

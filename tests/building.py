@@ -19,7 +19,8 @@ from debrisflow.neighbors.pairs import Near, repeats_of
 from debrisflow.neighbors.surfaces import Surfaces
 from debrisflow.neighbors.wall_access import Solid
 from debrisflow.particles.maxima import no_maxima
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.physics.compressible import (
     Fluid,
     Numbers,

@@ -59,6 +59,14 @@ class BoxObstacle(Table):
     x: Interval = quantity("m", "extent along x")
     y: Interval = quantity("m", "extent along y")
     z: Interval | None = quantity("m", "extent along z, in three dimensions", None)
+    turn: float = quantity(
+        "degree",
+        "by which it is turned about the vertical through its middle, to the left as seen from "
+        "above; on a terrain only",
+        0.0,
+        ge=-360,
+        le=360,
+    )
     slip: Literal["no-slip", "free-slip"] = _slip()
     motion: Motion | str | None = _motion()
 

@@ -130,7 +130,6 @@ def raster_of_plan(grid: MapGrid, plan: Floats) -> Raster:
     return Raster(grid, np.ascontiguousarray(np.asarray(plan, dtype=float).T[::-1]))
 
 
-@lru_cache(maxsize=8)
 def read_raster(path: Path) -> Raster:
     """Return the raster of a file.
 
@@ -141,10 +140,17 @@ def read_raster(path: Path) -> Raster:
         degrees or feet.
     """
     try:
-        raster = _read_ascii(path) if path.suffix.lower() in ASCII else _read_by_gdal(path)
+        state = path.stat()
+        return _read(path, (state.st_mtime_ns, state.st_size))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise UnreadableRasterError(f"cannot be read: {reason}") from error
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, stamp: tuple[int, int]) -> Raster:
+    """Return the raster of a file, as it is at a stamp of its time and size."""
+    raster = _read_ascii(path) if path.suffix.lower() in ASCII else _read_by_gdal(path)
     if not np.isfinite(raster.values).any():
         raise EmptyRasterError(raster)
     raster.values.flags.writeable = False  # shared by all who ask
@@ -201,8 +207,6 @@ def _rasterio() -> Any:
 
 def _read_by_gdal(path: Path) -> Raster:
     rasterio = _rasterio()
-    if not path.is_file():
-        raise UnreadableRasterError("cannot be read: no such file or directory")
     try:
         with warnings.catch_warnings():  # of a file without a place, which is refused below
             warnings.simplefilter("ignore")

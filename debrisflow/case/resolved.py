@@ -174,6 +174,18 @@ class ResolvedCase(Case):
         return self
 
     @property
+    def is_terrain(self) -> bool:
+        """Whether the space is a terrain."""
+        return isinstance(self.geometry, ResolvedTerrain)
+
+    @property
+    def terrain(self) -> ResolvedTerrain:
+        """The geometry of a case on a terrain; TypeError of others."""
+        if isinstance(self.geometry, ResolvedTerrain):
+            return self.geometry
+        raise TypeError("the case is not on a terrain")
+
+    @property
     def has_surfaces(self) -> bool:
         """Whether walls are surfaces in the solution, not particles."""
         return self.scheme.form == "stable"

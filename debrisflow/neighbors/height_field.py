@@ -44,20 +44,26 @@ class HeightField(NamedTuple):
         Of a cell, along x and y.
     coefficients : (n, m) float64 array, m
         Of the spline, one a cell.
-    number : int
-        Of the wall that the ground is.
+    zone_width : float, m
+        Of a cell of the zones, which begin at the same corner.
+    number : (k, l) int64 array
+        Of the wall that the ground is, in each cell of the zones; those at the borders go on
+        beyond.
     """
 
     lower: Floats
     width: float
     coefficients: Floats
-    number: int
+    zone_width: float
+    number: NDArray[np.int64]
 
 
 def height_field(
     levels: Floats, width: float, lower: tuple[float, float], number: int
 ) -> HeightField:
     """Return the ground through the levels in the middles of cells; it is mirrored at its ends.
+
+    It is one wall everywhere.
 
     Parameters
     ----------
@@ -70,9 +76,11 @@ def height_field(
     """
     from scipy.ndimage import spline_filter
 
-    levels = np.asarray(levels, dtype=float)
-    coefficients = spline_filter(levels, order=2, mode="mirror")
-    return HeightField(np.array(lower), float(width), np.ascontiguousarray(coefficients), number)
+    coefficients = spline_filter(np.asarray(levels, dtype=float), order=2, mode="mirror")
+    everywhere = np.full((1, 1), number)
+    return HeightField(
+        np.array(lower), float(width), np.ascontiguousarray(coefficients), np.inf, everywhere
+    )
 
 
 @kernel
@@ -113,6 +121,15 @@ def ground_at(x, y, field):
             zyy += c * p[k] * ddp[m]
     w = 1.0 / field.width
     return z, zx * w, zy * w, zxx * w * w, zxy * w * w, zyy * w * w
+
+
+@kernel
+def number_under(x, y, field):
+    """Return the number of the wall that the ground is at a place, m."""
+    columns, rows = field.number.shape
+    i = min(max((x - field.lower[0]) / field.zone_width, 0.0), columns - 1.0)
+    j = min(max((y - field.lower[1]) / field.zone_width, 0.0), rows - 1.0)
+    return field.number[int(i), int(j)]
 
 
 @kernel
@@ -167,7 +184,7 @@ def add_ground_at(i, position, field, spacing, boundary):
     total[8] += rest * nx * ny
     total[9] += rest * nx * nz
     total[10] += rest * ny * nz
-    insert_face(row, distance, (nx, ny, nz), field.number, push, False, boundary)
+    insert_face(row, distance, (nx, ny, nz), number_under(x, y, field), push, False, boundary)
 
 
 @kernel

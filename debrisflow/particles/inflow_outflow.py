@@ -13,6 +13,7 @@ from debrisflow.particles.supply import supply, supply_column, whole_sediment
 from debrisflow.space.domain import Domain
 from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import floor_level
+from debrisflow.space.ground import ground_of
 
 Floats = NDArray[np.float64]
 
@@ -87,7 +88,8 @@ def remove_leaving(state: State, case: ResolvedCase, domain: Domain) -> None:
     position = particles.position[particles.fluid]
     x, level = position[:, 0], position[:, up]
     # lenient by one spacing to the sides too, where the floor has a step
-    floor = np.minimum(floor_level(case, x - d0), floor_level(case, x + d0))
+    y = position[:, 1]
+    floor = np.minimum(floor_level(case, x - d0, y), floor_level(case, x + d0, y))
     sunk = level < floor - d0
     below = position < domain.lower
     beyond = position > domain.upper
@@ -105,6 +107,17 @@ def remove_leaving(state: State, case: ResolvedCase, domain: Domain) -> None:
     through[:, up] &= ~outside
     leaked = np.asarray(through.any(axis=1) | (behind & (level < domain.rim)))
     _remove(state, gone, leaked)
+
+
+def remove_beyond_data(state: State, case: ResolvedCase) -> bool:
+    """Remove what flows over cells of a terrain without a level; return whether there was any."""
+    if not case.is_terrain:
+        return False
+    x, y, _ = state.particles.position[state.particles.fluid].T
+    gone = ~ground_of(case).has_data(x, y)
+    if gone.any():
+        _remove(state, gone, np.zeros_like(gone))
+    return bool(gone.any())
 
 
 def remove_lost(state: State, lost: NDArray[np.bool_]) -> None:

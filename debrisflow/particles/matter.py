@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.materials import bulk_density
+from debrisflow.case.materials import Mixture, bulk_density
 from debrisflow.case.releases import Hydrograph
+from debrisflow.case.resolved import ResolvedHydrographRelease, ResolvedRelease
 from debrisflow.particles.record import Kind, Particles
 
 
@@ -38,6 +39,8 @@ def set_fraction(
 def concentrations(case: ResolvedCase) -> set[float]:
     """Return the sediment concentrations of what a case is filled with and supplied by."""
     found = {case.mixture.concentration if f.material == "mixture" else 0.0 for f in case.fill}
+    for release in case.release:
+        found.update(concentrations_of(release, case.mixture))
     inflow = case.inflow
     if inflow is not None:
         graph = inflow.hydrograph
@@ -46,6 +49,15 @@ def concentrations(case: ResolvedCase) -> set[float]:
         else:
             found.add(inflow.concentration)
     return found
+
+
+def concentrations_of(release: ResolvedRelease, mixture: Mixture) -> tuple[float, ...]:
+    """Return the sediment concentrations of what a release of a terrain brings."""
+    if isinstance(release, ResolvedHydrographRelease):
+        return release.hydrograph.concentration
+    if release.material == "water":
+        return (0.0,)
+    return (mixture.concentration if release.concentration is None else release.concentration,)
 
 
 def reference_density(case: ResolvedCase) -> float:

@@ -7,17 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case import ResolvedCase, tables
 from debrisflow.neighbors.patches import Patches, no_patches
-from debrisflow.particles import hydrostatic_start
 from debrisflow.particles.layers import Layers, no_layers
-from debrisflow.particles.maxima import Maxima, no_maxima
+from debrisflow.particles.maxima import Maxima
 from debrisflow.particles.record import Particles
-from debrisflow.particles.seeding import seed
-from debrisflow.particles.supply import supplied_sediment, whole_sediment
-from debrisflow.space.carving import fitted
-from debrisflow.space.domain import wall_layers
-from debrisflow.space.plan_grid import plan
 
 Floats = NDArray[np.float64]
 PHASES = ("liquid", "sediment", "mixture")
@@ -60,6 +53,8 @@ class State:
         Columns of inflow particles seeded so far.
     supply_sediment : float
         Sediment particles that the supply still has to bring to reach its concentration.
+    released : (releases,) int64 array
+        Particles that each release of a terrain has brought so far.
     next_id : int
         The number that the next new particle gets.
     sums : dict of str to float64 array
@@ -88,6 +83,7 @@ class State:
     bounces: int = 0
     supply_columns: int = 0
     supply_sediment: float = 0.0
+    released: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     next_id: int = 0
     layers: Layers = field(default_factory=no_layers)
     sums: dict[str, Floats] = field(default_factory=dict)
@@ -119,21 +115,3 @@ def count_phases(
     once = np.ones(kind.size) if times is None else times
     number += np.rint(np.bincount(kind, once, number.size)).astype(np.int64)
     sediment += np.bincount(kind, once * fraction, sediment.size)
-
-
-def initial_state(case: ResolvedCase) -> State:
-    """Return the state of a case at its start, before its fills relax."""
-    particles = seed(case)
-    if isinstance(case.scheme, tables.ExplicitScheme):
-        hydrostatic_start.compress(particles, case)
-    if case.obstacle:
-        particles.position[particles.fluid] = fitted(case, particles.position[particles.fluid])
-    if isinstance(case.scheme, tables.ExplicitScheme):
-        hydrostatic_start.jitter(particles, case)
-    maxima = no_maxima(plan(case).x.size)
-    state = State(particles, maxima, time=0.0 - case.time.settling, next_id=particles.count)
-    if case.inflow is not None:
-        state.supply_columns = wall_layers(case)
-        owed = supplied_sediment(case, state.supply_columns)
-        state.supply_sediment = owed - whole_sediment(case, owed)
-    return state

@@ -10,6 +10,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
 from debrisflow.case import ResolvedCase, dump_case
 from debrisflow.errors import OutputError
 from debrisflow.particles.state import State
@@ -17,6 +20,9 @@ from debrisflow.run.atomic import UNFINISHED, replaced
 from debrisflow.run.deposit import DepositWriter
 from debrisflow.run.grid_file import grid_files
 from debrisflow.run.history import HistoryWriter
+from debrisflow.run.layers import FOLDER as LAYERS
+from debrisflow.run.layers import DepthFrames, Origin, layer_files, write_layers
+from debrisflow.run.ledger import LedgerWriter
 from debrisflow.run.maxima import write_maxima
 from debrisflow.run.measures import DepositProfile
 from debrisflow.run.probe import is_probe_file
@@ -24,12 +30,17 @@ from debrisflow.run.probes import sampler_of
 from debrisflow.run.tables import Row
 from debrisflow.run.vtu import FOLDER, Collection, write_particles
 from debrisflow.run.walls_file import OBSTACLES, WALLS, write_obstacles, write_walls
+from debrisflow.space.ground import ground_of
+from debrisflow.space.released import released_depth
 from debrisflow.space.scene import trajectories
+
+Floats = NDArray[np.float64]
 
 CASE = "case.toml"
 FRAMES = "particles.pvd"
 DEPOSIT = "deposit.csv"
 HISTORY = "history.csv"
+LEDGER = "ledger.csv"
 MAXIMA = "maxima.csv"
 SUMMARY = "summary.json"
 LOG = "run.log"
@@ -38,7 +49,19 @@ PROBES = "probes"
 POSTPROCESS = "postprocess"
 PICTURES = "render"
 SURFACES = "surface.pvd"
-RESULTS = (CASE, FRAMES, WALLS, OBSTACLES, DEPOSIT, HISTORY, MAXIMA, SUMMARY, LOG, CHECKPOINT)
+RESULTS = (
+    CASE,
+    FRAMES,
+    WALLS,
+    OBSTACLES,
+    DEPOSIT,
+    HISTORY,
+    LEDGER,
+    MAXIMA,
+    SUMMARY,
+    LOG,
+    CHECKPOINT,
+)
 MOVING = Path(OBSTACLES).stem  # folder of the obstacles that move
 DERIVED = (
     "answers.csv",
@@ -98,6 +121,10 @@ class RunFolder:
             self._obstacles = Collection(path / OBSTACLES, MOVING, "vtp")
         self._deposit = DepositWriter(path / DEPOSIT, case.dimension)
         self._history = HistoryWriter(path / HISTORY, case.dimension)
+        self._ledger = LedgerWriter(path / LEDGER) if case.is_terrain else None
+        self._depths: DepthFrames | None = None
+        if case.is_terrain and case.output.layer_interval is not None:
+            self._depths = DepthFrames(path / LAYERS, ground_of(case).grid)
         if case.probe:
             (path / PROBES).mkdir(exist_ok=True)
         self._probes = {
@@ -171,8 +198,41 @@ class RunFolder:
         self.write_maxima(state)
 
     def write_maxima(self, state: State) -> None:
-        """Write the maxima of the run up to the time of the state."""
-        write_maxima(self.path / MAXIMA, self.case, state.time, state.maxima)
+        """Write the maxima of the run up to the time of the state; a terrain has layers instead."""
+        if not self.case.is_terrain:
+            write_maxima(self.path / MAXIMA, self.case, state.time, state.maxima)
+
+    def write_layers(self, state: State, deposit: Floats, depth: Floats) -> None:
+        """Write the layers of a map up to the time of the state.
+
+        Parameters
+        ----------
+        state : State
+        deposit, depth : (columns, rows) float64 array, m
+            Of what lies at rest, and of all fluid.
+        """
+        ground = ground_of(self.case)
+        others = {
+            "deposit": deposit,
+            "final_depth": depth,
+            "terrain": ground.given + self.case.terrain.origin[2],
+            "release": released_depth(self.case),
+        }
+        threshold = self.case.output.layer_depth
+        for name in ("deposit", "final_depth", "release"):
+            others[name] = np.where(others[name] > threshold, others[name], np.nan)
+        write_layers(
+            self.path / LAYERS, ground.grid, state.layers, others, self._origin(state.time)
+        )
+
+    def write_depth(self, time: float, depth: Floats) -> None:
+        """Write the depth at a time, s, (columns, rows) array, m, as a raster."""
+        if self._depths is not None:
+            self._depths.write(depth, self._origin(time))
+
+    def _origin(self, time: float) -> Origin:
+        case = self.case
+        return Origin(dump_case(case), case.particles.spacing, case.output.layer_depth, time)
 
     def write_deposit(self, time: float, profile: DepositProfile) -> None:
         """Append a deposit profile at a time, s."""
@@ -181,6 +241,11 @@ class RunFolder:
     def write_history(self, row: Mapping[str, float | int]) -> None:
         """Append a row of :func:`debrisflow.run.history.history_row`."""
         self._history.write(row)
+
+    def write_ledger(self, row: Row) -> None:
+        """Append a row of :func:`debrisflow.run.ledger.ledger_row`."""
+        if self._ledger is not None:
+            self._ledger.write(row)
 
     def write_probe(self, name: str, time: float, rows: Iterable[Row]) -> None:
         """Append the rows of a sample of a probe at a time, s."""
@@ -198,6 +263,10 @@ class RunFolder:
             self._obstacles.drop_after(time)
         self._deposit.truncate_after(time)
         self._history.truncate_after(time)
+        if self._ledger is not None:
+            self._ledger.truncate_after(time)
+        if self._depths is not None:
+            self._depths.truncate_after(time)
         for probe in self._probes.values():
             probe.truncate_after(time)
         for name in (MAXIMA, SUMMARY):
@@ -212,6 +281,10 @@ class RunFolder:
         """Close all files."""
         self._deposit.close()
         self._history.close()
+        if self._ledger is not None:
+            self._ledger.close()
+        if self._depths is not None:
+            self._depths.close()
         for probe in self._probes.values():
             probe.close()
         self.detach_log()
@@ -234,7 +307,7 @@ def _results(path: Path) -> Iterator[Path]:
     """Yield the files in a folder that a run has written, including unfinished ones."""
     tables_and_logs = [path / name for name in RESULTS]
     probes = [file for file in path.glob(f"{PROBES}/*.csv") if is_probe_file(file)]
-    probes += grid_files(path / PROBES)
+    probes += [*grid_files(path / PROBES), *layer_files(path / LAYERS)]
     derived = [path / POSTPROCESS / name for name in DERIVED]
     for file in (*tables_and_logs, *probes, *derived):
         for written in (file, file.with_name(file.name + UNFINISHED)):
@@ -267,7 +340,7 @@ def _clear(path: Path, overwrite: bool) -> None:
     for file in results:
         file.unlink()
     folders = {file.parent for file in results} | {
-        path / name for name in (FOLDER, MOVING, PROBES, POSTPROCESS, PICTURES)
+        path / name for name in (FOLDER, MOVING, LAYERS, PROBES, POSTPROCESS, PICTURES)
     }
     for folder in sorted(folders - {path}, reverse=True):  # those inside others first
         if folder.is_dir() and not any(folder.iterdir()):

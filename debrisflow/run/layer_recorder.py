@@ -8,10 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow._jit import threads
+from debrisflow.case import ResolvedCase
 from debrisflow.case.rasters import MapGrid
 from debrisflow.particles.layers import Layers
 from debrisflow.particles.record import Particles
 from debrisflow.physics import map_cells
+from debrisflow.run.measures import DepositProfile
+from debrisflow.space.ground import ground_of
 
 Floats = NDArray[np.float64]
 WIDTH = 2.0  # spacings of the square over which a particle is spread, if a cell is not wider
@@ -71,6 +74,35 @@ class LayerRecorder:
         self._sums[:] = 0.0
         return depth
 
+    def profile(self, particles: Particles, rest_speed: float) -> DepositProfile:
+        """Return deposit, depth and concentration in the cells where there is fluid.
+
+        Their concentration is the mean of the particles in the cell itself.
+
+        Parameters
+        ----------
+        particles : Particles
+        rest_speed : float, m/s
+            Particles slower than this are deposited.
+        """
+        deposit, depth = self.depth(particles, rest_speed), self.depth(particles)
+        fluid, cell = particles.fluid, self.grid.cell
+        shape = depth.shape
+        place = [np.floor(particles.position[fluid, axis] / cell).astype(int) for axis in (0, 1)]
+        index = np.ravel_multi_index(tuple(place), shape, mode="clip")
+        count = np.bincount(index, minlength=depth.size)
+        total = np.bincount(index, particles.sediment_fraction[fluid], depth.size)
+        share = np.full(depth.size, np.nan)
+        np.divide(total, count, out=share, where=count > 0)
+        i, j = np.nonzero(depth > 0.0)
+        return DepositProfile(
+            x=(i.astype(np.float64) + 0.5) * cell,
+            y=(j.astype(np.float64) + 0.5) * cell,
+            deposit_height=deposit[i, j],
+            flow_height=depth[i, j],
+            concentration=share.reshape(shape)[i, j],
+        )
+
     def _spread(self, position: Floats, velocity: Floats, density: Floats) -> NDArray[np.int64]:
         parts = threads()
         owner, touched = np.arange(self.grid.columns) % parts, np.zeros((parts, 4), dtype=np.int64)
@@ -78,3 +110,11 @@ class LayerRecorder:
             position, velocity, density, self.half, self.grid.cell, owner, self._sums, touched
         )
         return touched
+
+
+def recorder_of(case: ResolvedCase) -> LayerRecorder | None:
+    """Return what records the layers of a case on a terrain; None without one."""
+    if not case.is_terrain:
+        return None
+    grid = ground_of(case).grid
+    return LayerRecorder(grid, case.particles.spacing, case.output.layer_depth)

@@ -16,10 +16,14 @@ from debrisflow.case import ResolvedCase, load_case
 from debrisflow.case.built import HEAD
 from debrisflow.case.doubts import doubts
 from debrisflow.errors import DivergedError, NotConvergedError, OutputError
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.releases import is_pending
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.run import checkpoint
 from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder, read_summary
 from debrisflow.run.history import history_row
+from debrisflow.run.layer_recorder import recorder_of
+from debrisflow.run.ledger import ledger_row
 from debrisflow.run.measures import deposit_profile, flow
 from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
@@ -72,8 +76,7 @@ def simulate(
         with clock.of(START_UP):
             run = _Run(case, results, state, probes, shown, threads)
             run.scheme.fill_number_density(state)
-        run.write(iterations=0)
-        run.sample(before=-math.inf)
+        run.start()
         return run.finish()
 
 
@@ -135,7 +138,11 @@ class _Run:
         self.frames = Schedule(output.interval, 0.0, end)
         self.deposits = Schedule(output.deposit_interval, 0.0, end)
         self.histories = Schedule(output.history_interval, start, end)
+        self.depths: Schedule | None = None
+        if case.is_terrain and output.layer_interval is not None:
+            self.depths = Schedule(output.layer_interval, 0.0, end)
         self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
+        self.recorder = recorder_of(case)
         self._checkpoint_is_due = False
         self._asked_to_stop = False
         LOG.info(
@@ -160,6 +167,12 @@ class _Run:
             LOG.info("%d threads at t = %g s", used, self.state.time)
         self.threads = max(self.threads, used)
 
+    def start(self) -> None:
+        """Write what there is before the first step."""
+        self._record(0.0)
+        self.write(iterations=0)
+        self.sample(before=-math.inf)
+
     def finish(self) -> dict[str, Any]:
         """Run to the end of the simulated time and return the summary."""
         try:
@@ -179,7 +192,7 @@ class _Run:
         """Take steps until the end, and return why the run ended."""
         state = self.state
         while state.time < self.case.time.end:
-            if state.particles.moving.stop == 0:
+            if state.particles.moving.stop == 0 and not is_pending(self.case, state.time):
                 return EMPTY
             if self._stops_at_checkpoint():
                 return INTERRUPTED
@@ -188,10 +201,16 @@ class _Run:
             with self.clock.of(PROBES):
                 for probe in self.probes.values():
                     probe.add_step(state)
+                self._record(state.time - before)
             self.write(iterations)
             self.sample(before)
             self.progress.count(state)
         return ENDED
+
+    def _record(self, dt: float) -> None:
+        """Take the flow after a step of a length, s, into the layers of a map."""
+        if self.recorder is not None and self.state.time >= 0.0:
+            self.recorder.add_step(self.state.layers, self.state.particles, self.state.time, dt)
 
     def _stops_at_checkpoint(self) -> bool:
         """Save a checkpoint that is due, and return whether the run is to stop there.
@@ -212,7 +231,8 @@ class _Run:
 
     def _next_due(self) -> float:
         """Return the next time at which a step must end, s."""
-        schedules = (self.frames, self.deposits, self.histories)
+        schedules = [self.frames, self.deposits, self.histories]
+        schedules += [self.depths] if self.depths else []
         return min(schedule.next_after(self.state.time) for schedule in schedules)
 
     def _advance(self, due: float) -> int:
@@ -250,21 +270,31 @@ class _Run:
                 self._write_history(iterations)
             if self.deposits.is_due(time):
                 self._write_deposit()
+            if self.recorder and self.depths and self.depths.is_due(time):
+                self.results.write_depth(time, self.recorder.depth(self.state.particles))
             if self.frames.is_due(time):
                 self.results.write_frame(self.state)
                 self._checkpoint_is_due = True
 
     def _write_history(self, iterations: int) -> None:
         state, lattice, d0 = self.state, self.scheme.lattice, self.case.particles.spacing
-        found = flow(self.case, state.particles, lattice.number_density)
-        if state.time >= 0.0:
-            state.maxima.include(state.time, *found, spacing=d0)
-        reached = state.maxima.reached(found.depth, d0)
+        reached = None
+        if self.case.is_terrain:
+            self.results.write_ledger(ledger_row(self.case, state))
+        else:
+            found = flow(self.case, state.particles, lattice.number_density)
+            if state.time >= 0.0:
+                state.maxima.include(state.time, *found, spacing=d0)
+            reached = state.maxima.reached(found.depth, d0)
         self.results.write_history(history_row(self.case, state, iterations, lattice, reached))
         self._set_threads()
 
     def _write_deposit(self) -> None:
         p = self.state.particles
+        if self.recorder is not None:
+            rest_speed = self.case.output.rest_speed
+            self.results.write_deposit(self.state.time, self.recorder.profile(p, rest_speed))
+            return
         profile = deposit_profile(
             self.case,
             p.position,
@@ -313,6 +343,9 @@ class _Run:
             LOG.warning("%d particles went through a wall", lost)
         with self.clock.of(WRITING):
             self.results.write_maxima(state)
+            if self.recorder is not None:
+                lying = self.recorder.depth(state.particles, self.case.output.rest_speed)
+                self.results.write_layers(state, lying, self.recorder.depth(state.particles))
         figures = summary(self.case, state, reason, self.threads, self.progress)
         done = self.progress
         pace = Pace(done.particle_steps, done.steps, done.seconds, self.threads)

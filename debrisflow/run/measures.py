@@ -19,6 +19,7 @@ from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import PHASES
 from debrisflow.space.gravity import gravity_vector
 from debrisflow.space.plan_grid import Grid, Located, locate, plan, wrapped
+from debrisflow.space.released import source_of
 
 Floats = NDArray[np.float64]
 FRONT_SHARE = 0.995
@@ -132,6 +133,7 @@ def fronts(
     front wherever it is: a wave moves the water ahead of it too.  Particles count whole, by their
     centers, so that a front is the x of a particle, and that of a flow of fewer than 200 particles
     is the x of the foremost one.  In three dimensions the front is the foremost of the whole width.
+    On a terrain it is the distance in plan from the first release, not x.
 
     Parameters
     ----------
@@ -150,6 +152,8 @@ def fronts(
     """
     flowing = is_fluid(kind) & (np.linalg.norm(velocity, axis=1) > case.output.rest_speed)
     x, phase = wrapped(case, position[flowing])[:, 0], np.asarray(kind)[flowing]
+    if case.is_terrain:
+        x = np.linalg.norm(position[flowing, :2] - source_of(case), axis=1)
     if reached is not None and not reached.all():
         above = locate(case, plan(case), position[flowing])
         x[above.row[~reached[above.cell]]] = -np.inf

@@ -7,7 +7,7 @@ from pathlib import Path
 from debrisflow._jit import COMPILATIONS
 from debrisflow.case import load_case
 from debrisflow.case.templates import templates
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.run.trial import take_step
 from debrisflow.schemes.choice import scheme_of
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from debrisflow.case import ResolvedCase
 from debrisflow.errors import NotConvergedError
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.run.loop import use_threads
 from debrisflow.run.pace import TRIAL, Pace
 from debrisflow.run.work import SETTLED

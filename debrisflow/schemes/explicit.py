@@ -9,11 +9,12 @@ from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.case.rheology import FrictionalStrength, NoStrength
 from debrisflow.neighbors.boundary import find_inside
 from debrisflow.neighbors.height_field import HeightField
-from debrisflow.particles.inflow_outflow import remove_lost
+from debrisflow.particles.inflow_outflow import remove_beyond_data, remove_lost
 from debrisflow.particles.matter import concentrations
 from debrisflow.particles.state import State
 from debrisflow.schemes.records import numbers_of
 from debrisflow.schemes.scheme import Scheme
+from debrisflow.schemes.surfaces import record_of_ground
 from debrisflow.schemes.terms.base_friction import BaseFrictions
 from debrisflow.schemes.terms.collision_stress import MixtureCollisions
 from debrisflow.schemes.terms.concentration import Concentration
@@ -48,13 +49,15 @@ class Explicit(Scheme):
     ----------
     case : ResolvedCase
     ground : HeightField, optional
-        Ground over the floor of the case.
+        Ground over the floor of the case; that of a terrain is its own.
     """
 
     vicinity: ListAndSurfaces
 
     def __init__(self, case: ResolvedCase, ground: HeightField | None = None) -> None:
         super().__init__(case)
+        if case.is_terrain:
+            ground = record_of_ground(case)
         self.vicinity = ListAndSurfaces(
             case,
             self.lattice,
@@ -132,4 +135,5 @@ class Explicit(Scheme):
             find_inside(self.vicinity.near.spacing, self.vicinity.solid, lost)
             if lost.any():
                 remove_lost(state, lost)
+            if remove_beyond_data(state, self.case) or lost.any():
                 self.vicinity.update(p, state.time, is_fresh)

@@ -10,7 +10,7 @@ from debrisflow.neighbors.boundary import WallMotion
 from debrisflow.neighbors.boxes import Boxes
 from debrisflow.neighbors.elements import Elements
 from debrisflow.space.bodies import bodies_of
-from debrisflow.space.domain import WALL_NAMES
+from debrisflow.space.domain import WALL_NAMES, wall_names
 from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
@@ -52,7 +52,7 @@ class MovingWalls:
         self._listed: list[Floats] = []
 
     def _motion(self, case: ResolvedCase) -> WallMotion | None:
-        velocity = np.zeros((len(WALL_NAMES) + len(case.obstacle), 3))
+        velocity = np.zeros((len(wall_names(case)), 3))
         for number, name in enumerate(WALL_NAMES):
             velocity[number, :2] = getattr(case.walls, name).velocity
         if not (self._ways or velocity.any()):

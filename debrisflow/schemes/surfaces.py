@@ -20,6 +20,7 @@ from debrisflow.schemes.moving_walls import MovingWalls
 from debrisflow.schemes.wall_particles import roughnesses, slips
 from debrisflow.space.bodies import Body, bodies_of
 from debrisflow.space.domain import domain
+from debrisflow.space.ground import ground_of
 from debrisflow.space.mesh_pieces import area_vectors, pieces_of
 from debrisflow.space.polygons import Sides, sides_of
 from debrisflow.space.scene import trajectories
@@ -55,24 +56,31 @@ def walls_of(
     return surfaces, moving
 
 
+def record_of_ground(case: ResolvedCase) -> HeightField:
+    """Return the ground of a case on a terrain."""
+    ground = ground_of(case)
+    width, coefficients = ground.surface
+    return HeightField(np.zeros(2), width, coefficients, ground.grid.cell, ground.number)
+
+
 def boxes_of(case: ResolvedCase) -> Boxes:
     """Return the record of the walls and box obstacles of a case."""
     bodies = bodies_of(case)
-    ends = np.array([(body.x, body.y, body.z) for body in bodies])
+    ends = np.array([(body.x, body.y, body.z) for body in bodies]).reshape(-1, 3, 2)
     reach = case.particles.effective_radius * case.particles.spacing
     number = np.empty(ends.shape, dtype=np.int64)
     for b, body in enumerate(bodies):
         number[b] = body.number if body.sides is None else body.sides
         number[b, body.up, 1] = body.number
     boxes = Boxes(
-        origin=np.array([body.origin for body in bodies]),
-        axes=np.array([body.axes for body in bodies]),
+        origin=np.array([body.origin for body in bodies]).reshape(-1, 3),
+        axes=np.array([body.axes for body in bodies]).reshape(-1, 3, 3),
         lower=ends[:, :, 0].copy(),
         upper=ends[:, :, 1].copy(),
         inner_lower=ends[:, :, 0].copy(),
         inner_upper=ends[:, :, 1].copy(),
         number=number,
-        is_floor=np.array([body.is_floor for body in bodies]),
+        is_floor=np.array([body.is_floor for body in bodies], dtype=bool),
         is_thin=ends[:, :, 1] - ends[:, :, 0] < reach,
     )
     _pull_back(boxes, bodies, case)
@@ -92,8 +100,9 @@ def _pull_back(boxes: Boxes, bodies: list[Body], case: ResolvedCase) -> None:
         [
             [[_is_covered(b, axis, end, bodies, ways, case) for end in (0, 1)] for axis in range(3)]
             for b in range(len(boxes.origin))
-        ]
-    )
+        ],
+        dtype=bool,
+    ).reshape(-1, 3, 2)
     for b, axis, end in np.ndindex(covered.shape):
         outward = 2.0 * end - 1.0
         faces = (boxes.inner_lower, boxes.inner_upper)[end]

@@ -14,20 +14,21 @@ Floats = NDArray[np.float64]
 
 
 def slips(case: ResolvedCase) -> Floats:
-    """Return 1 for walls and obstacles, in their order, that are free-slip, 0 for no-slip.
+    """Return 1 for walls, obstacles and zones, in their order, that are free-slip, 0 for no-slip.
 
     Along a wall with a law of friction other than 'no-slip' the fluid slips.
     """
     named = [getattr(case.walls, name) for name in WALL_NAMES]
     how = [wall.slip if wall.friction is None else wall.friction.law for wall in named]
     how += [part.slip for part in case.obstacle]
+    how += [zone.friction.law for zone in case.zone]
     return np.array([float(condition != "no-slip") for condition in how])
 
 
 def roughnesses(case: ResolvedCase) -> Floats:
-    """Return the equivalent sand roughness of walls and obstacles, in their order, m."""
+    """Return the equivalent sand roughness of walls, obstacles and zones, in their order, m."""
     named = [getattr(case.walls, name).roughness for name in WALL_NAMES]
-    return np.array([*named, *np.zeros(len(case.obstacle))])
+    return np.array([*named, *np.zeros(len(case.obstacle) + len(case.zone))])
 
 
 def solid_of(particles: Particles, case: ResolvedCase) -> Solid:

@@ -11,7 +11,12 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase, shapes
 from debrisflow.case.bodies import BoxObstacle, MeshObstacle
 from debrisflow.case.regions import surface_of
-from debrisflow.case.resolved import ResolvedChannel, ResolvedChannel3D, ResolvedChannelShape
+from debrisflow.case.resolved import (
+    ResolvedChannel,
+    ResolvedChannel3D,
+    ResolvedChannelShape,
+    ResolvedTerrain,
+)
 from debrisflow.case.shapes import plain_of, runout_of
 from debrisflow.case.triangles import cells_inside
 from debrisflow.space.domain import (
@@ -99,8 +104,13 @@ def in_walls(case: ResolvedCase, places: Floats, slack: float = 0.0) -> NDArray[
 
 
 def bodies_of(case: ResolvedCase) -> list[Body]:
-    """Return the walls and box obstacles of a case."""
+    """Return the walls and box obstacles of a case.
+
+    A terrain has no walls but its ground, and boxes on it are cut into elements as meshes are.
+    """
     shape = case.geometry
+    if isinstance(shape, ResolvedTerrain):
+        return []
     if isinstance(shape, ResolvedChannel3D):
         bodies = _channel(shape, case)
     elif isinstance(shape, ResolvedChannel):

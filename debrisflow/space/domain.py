@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, shapes
 from debrisflow.case.regions import TOLERANCE, runout_rise
+from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.case.shapes import plain_of
 
 Floats = NDArray[np.float64]
@@ -22,8 +23,13 @@ FLOOR, BED, LEFT, RIGHT, CEILING, FRONT, BACK = range(len(WALL_NAMES))
 
 
 def wall_names(case: ResolvedCase) -> tuple[str, ...]:
-    """Return the names of walls and obstacles, in the order of their numbers."""
-    return (*WALL_NAMES, *(obstacle.name for obstacle in case.obstacle))
+    """Return the names of walls, obstacles and zones, in the order of their numbers."""
+    return (*WALL_NAMES, *(part.name for part in (*case.obstacle, *case.zone)))
+
+
+def first_zone(case: ResolvedCase) -> int:
+    """Return the number of the first zone of a terrain."""
+    return len(WALL_NAMES) + len(case.obstacle)
 
 
 def wall_layers(case: ResolvedCase) -> int:
@@ -77,6 +83,11 @@ def domain(case: ResolvedCase) -> Domain:
         period = np.array([length if shape.periodic else 0.0, 0.0, 0.0])
         if plain is not None:
             mouth = np.array([plain.start - d0, -d0, width + d0])
+    elif isinstance(shape, ResolvedTerrain):
+        closed[2, 0] = True
+        period = np.zeros(3)
+        lower = np.array([0.0, 0.0, -d0])
+        upper = np.array([shape.length, shape.width, shape.height])
     elif isinstance(shape, shapes.Tank3D):
         closed[:] = True
         closed[1] = not shape.periodic

@@ -12,14 +12,18 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, shapes
 from debrisflow.case.friction import LogFriction
+from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.case.shapes import is_three_dimensional, plain_of, runout_of
 from debrisflow.case.tables import Wall
+from debrisflow.space.ground import ground_of
 
 Floats = NDArray[np.float64]
 
 
-def floor_level(case: ResolvedCase, x: Floats) -> Floats:
-    """Return the level y of the fixed floor at x, the bottom of the recess under a bed, m.
+def floor_level(case: ResolvedCase, x: Floats, across: Floats | None = None) -> Floats:
+    """Return the level of the fixed floor at x, the bottom of the recess under a bed, m.
+
+    That of a terrain also depends on the place ``across``, its y.
 
     Examples
     --------
@@ -31,6 +35,8 @@ def floor_level(case: ResolvedCase, x: Floats) -> Floats:
     array([ 0. , -0.2,  0. ])
     """
     shape = case.geometry
+    if isinstance(shape, ResolvedTerrain):
+        return ground_of(case).surface.level(x, _given(across))
     level = np.zeros_like(np.asarray(x, dtype=float))
     if isinstance(shape, shapes.ChannelShape):
         if shape.periodic:
@@ -58,10 +64,24 @@ def floor_bend(case: ResolvedCase, x: Floats) -> Floats:
     return np.where(x > runout.start, runout_bend(case), 0.0)
 
 
-def height_over_floor(case: ResolvedCase, x: Floats, y: Floats, at: Floats) -> Floats:
-    """Return the heights of points over the floor that is under ``at``, along its normal, m."""
+def height_over_floor(
+    case: ResolvedCase, x: Floats, y: Floats, at: Floats, across: Floats | None = None
+) -> Floats:
+    """Return the heights of points over the floor that is under ``at``, along its normal, m.
+
+    Those over a terrain are along the normal of the ground right below them, at x and ``across``.
+    """
+    if isinstance(case.geometry, ResolvedTerrain):
+        level, along, aside = ground_of(case).surface.level_and_slope(x, _given(across))
+        return (y - level) / np.sqrt(1.0 + along**2 + aside**2)
     bend = floor_bend(case, at)
     return (y - floor_level(case, at) - np.tan(bend) * (x - at)) * np.cos(bend)
+
+
+def _given(across: Floats | None) -> Floats:
+    if across is None:
+        raise TypeError("the level of a terrain depends on y too")
+    return across
 
 
 def is_over_floor(case: ResolvedCase, x: Floats, y: Floats) -> NDArray[np.bool_]:

@@ -6,15 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.bodies import MeshObstacle
+from debrisflow.case.bodies import BoxObstacle, MeshObstacle
 from debrisflow.case.regions import MESH_SLACK, surface_of
 from debrisflow.case.triangles import Surface
 from debrisflow.space.bodies import bodies_of
 from debrisflow.space.domain import WALL_NAMES, image_shifts
+from debrisflow.space.ground import ground_of
+from debrisflow.space.scene import faces_of
 
 Floats = NDArray[np.float64]
 WIDEST = 0.5
 """Longest side of an element, in spacings."""
+LEAST_AREA = 1e-4
+"""Of an element that is lifted to a ground, in squares of a spacing; what is less was a side."""
 
 
 def pieces_of(
@@ -40,16 +44,51 @@ def pieces_of(
     pieces, number = [np.zeros((0, 3, 6))], [np.zeros(0, dtype=np.int64)]
     is_face = [np.zeros(0, dtype=np.bool_)]
     for wall, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
-        if not isinstance(obstacle, MeshObstacle):
+        if isinstance(obstacle, MeshObstacle):
+            surface = surface_of(obstacle)
+        elif case.is_terrain and isinstance(obstacle, BoxObstacle):
+            surface = surface_of_box(obstacle)
+        else:
             continue
-        own = _cut(
-            _with_inner(_outward(surface_of(obstacle)), pulled_back, case), case.particles.spacing
-        )
+        own = _cut(_with_inner(_outward(surface), pulled_back, case), case.particles.spacing)
+        if case.is_terrain:
+            own, faces = _on_ground(own, pulled_back, case)
+            pieces.append(own)
+            number.append(np.full(len(own), wall))
+            is_face.append(faces)
+            continue
         for shift in image_shifts(case):
             pieces.append(own + np.tile(shift, 2))
             number.append(np.full(len(own), wall))
             is_face.append(~_in_walls(own[:, :, :3], case))
     return np.concatenate(pieces), np.concatenate(number), np.concatenate(is_face)
+
+
+def surface_of_box(box: BoxObstacle) -> Surface:
+    """Return the surface of a box in three dimensions as triangles."""
+    sides = faces_of(box)
+    return Surface(np.concatenate([sides[:, [0, 1, 2]], sides[:, [0, 2, 3]]]))
+
+
+def _on_ground(
+    pieces: Floats, pulled_back: float, case: ResolvedCase
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return of a body what is above the ground of a terrain, and which pieces can be met.
+
+    What lies below the ground is lifted to it, so that the base follows the ground, and of its
+    sides below nothing is left.  Then nothing is counted twice, in the body and in the ground.
+    """
+    d0, ground = case.particles.spacing, ground_of(case).surface
+    lifted, buried = pieces.copy(), np.ones(pieces.shape[:2], dtype=bool)
+    for first, depth in ((0, 0.0), (3, pulled_back * d0)):
+        level, along, aside = ground.level_and_slope(pieces[:, :, first], pieces[:, :, first + 1])
+        level = level - depth * np.sqrt(1.0 + along**2 + aside**2)
+        buried &= pieces[:, :, first + 2] <= level
+        lifted[:, :, first + 2] = np.maximum(pieces[:, :, first + 2], level)
+    size = np.linalg.norm(area_vectors(lifted[:, :, :3]), axis=1)
+    kept = size > LEAST_AREA * d0**2
+    is_met = ~np.all(buried, axis=1)
+    return lifted[kept], is_met[kept]
 
 
 def area_vectors(corners: Floats) -> Floats:

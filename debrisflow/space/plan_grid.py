@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.bodies import BoxObstacle
+from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.case.shapes import is_three_dimensional, plain_of
 from debrisflow.space.domain import domain
 from debrisflow.space.floor import floor_level, height_over_floor, is_over_floor
+from debrisflow.space.ground import ground_of
 
 Floats = NDArray[np.float64]
 CELL_WIDTH = 2.0  # spacings
@@ -29,6 +31,8 @@ FLOOR_WORDS = {
 
 class Grid(NamedTuple):
     """Cells 2 d0 wide along x and, in three dimensions, along y; a last one may be narrower.
+
+    Those of a terrain are those of its DEM that have a level.
 
     In two dimensions there is one cell across, 1 m wide, so that what is divided by the area of a
     cell is per meter of width.  Cells follow each other along y first.  Beside a channel that opens
@@ -112,7 +116,7 @@ def wrapped(case: ResolvedCase, position: Floats) -> Floats:
 
 
 def plan(case: ResolvedCase) -> Grid:
-    """Return the cells of a case.
+    """Return the cells of a case; of a terrain those of its DEM.
 
     Examples
     --------
@@ -126,6 +130,8 @@ def plan(case: ResolvedCase) -> Grid:
     (array([0.125, 0.375]), array([0.0625, 0.0625]))
     """
     shape, d0 = case.geometry, case.particles.spacing
+    if isinstance(shape, ResolvedTerrain):
+        return _plan_of_terrain(case)
     along = _edges(floor_length(case), d0)
     across = _edges(shape.width, d0) if is_three_dimensional(shape) else np.array([-0.5, 0.5])
     plain = plain_of(shape)
@@ -144,9 +150,22 @@ def plan(case: ResolvedCase) -> Grid:
     return Grid(along, across, number, x[floor], y[floor], area[floor], raised)
 
 
+def _plan_of_terrain(case: ResolvedCase) -> Grid:
+    ground = ground_of(case)
+    cell, shape = ground.grid.cell, ground.given.shape
+    along, across = (np.arange(count + 1) * cell for count in shape)
+    known = np.isfinite(ground.given)
+    number = np.where(known, np.cumsum(known).reshape(shape) - 1, -1)
+    x, y = np.meshgrid(*(edges[:-1] + 0.5 * cell for edges in (along, across)), indexing="ij")
+    count = int(known.sum())
+    return Grid(
+        along, across, number, x[known], y[known], np.full(count, cell * cell), np.zeros(count)
+    )
+
+
 def cell_level(case: ResolvedCase, grid: Grid) -> Floats:
     """Return the level of the floor under the center of each cell, or of an obstacle's top, m."""
-    return floor_level(case, grid.x) + grid.obstacle_height
+    return floor_level(case, grid.x, grid.y) + grid.obstacle_height
 
 
 def locate(case: ResolvedCase, grid: Grid, position: Floats) -> Located:
@@ -164,7 +183,7 @@ def locate(case: ResolvedCase, grid: Grid, position: Floats) -> Located:
     column = np.searchsorted(grid.along, x[row], side="right") - 1
     cell = grid.number[column, np.searchsorted(grid.across, y[row], side="right") - 1]
     row, cell = row[cell >= 0], cell[cell >= 0]
-    height = height_over_floor(case, x[row], place[row, up], grid.x[cell])
+    height = height_over_floor(case, x[row], place[row, up], grid.x[cell], y[row])
     return Located(row, cell, height - grid.obstacle_height[cell])
 
 

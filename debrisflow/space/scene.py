@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from itertools import pairwise, product
+from math import ceil, cos, radians, sin
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.bodies import MeshObstacle, PolygonObstacle
+from debrisflow.case.bodies import BoxObstacle, MeshObstacle, PolygonObstacle
 from debrisflow.case.motion import Motion
 from debrisflow.case.regions import runout_rise, surface_of
 from debrisflow.case.shapes import ChannelShape, Tank, Tank3D, is_three_dimensional, plain_of
@@ -17,9 +18,11 @@ from debrisflow.case.tables import AnyObstacle
 from debrisflow.space.domain import WALL_NAMES, domain, image_shifts
 from debrisflow.space.fills import inflow_section
 from debrisflow.space.floor import floor_level
+from debrisflow.space.ground import ground_of
 from debrisflow.space.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
+MOST_FACES_ALONG = 200
 BOX_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 
 
@@ -56,6 +59,8 @@ def scene_of(case: ResolvedCase, wall_height: float) -> Scene:
     wall_height : float, m
         Up to which walls are shown.
     """
+    if case.is_terrain:
+        return Scene(ground_faces(case), [], [], obstacle_faces(case))
     profile, top = floor_profile(case), min(wall_height, case.geometry.height)
     floor: list[Floats] = []
     behind: list[Floats] = []
@@ -74,6 +79,18 @@ def scene_of(case: ResolvedCase, wall_height: float) -> Scene:
         (behind if x == 0.0 else before).append(wall)
     behind += [_wall((x, y0), (x, y1), (0.0, 0.0), (top, top)) for x, y0, y1 in head_walls(case)]
     return Scene(floor, behind, before, obstacle_faces(case))
+
+
+def ground_faces(case: ResolvedCase) -> list[Floats]:
+    """Return the ground of a terrain as rectangles, at most a few ten thousand of them."""
+    ground = ground_of(case)
+    sizes = case.terrain.length, case.terrain.width
+    width = max(ground.surface.width, max(sizes) / MOST_FACES_ALONG)
+    lines = [np.linspace(0.0, size, max(2, ceil(size / width) + 1)) for size in sizes]
+    x, y = np.meshgrid(*lines, indexing="ij")
+    corner = np.stack([x, y, ground.surface.level(x, y)], axis=2)
+    parts = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    return list(np.stack(parts, axis=2).reshape(-1, 4, 3))
 
 
 def floor_profile(case: ResolvedCase) -> list[tuple[float, float]]:
@@ -168,7 +185,7 @@ def obstacle_faces(case: ResolvedCase, time: float = 0.0) -> list[Floats]:
     """
     faces, ways = [], trajectories(case)
     for number, part in enumerate(case.obstacle, start=len(WALL_NAMES)):
-        at_start = _faces_at_start(part)
+        at_start = faces_of(part)
         moved = ways[number].pose(max(time, 0.0)).moved(at_start) if number in ways else at_start
         faces.append(moved)
     return faces
@@ -186,19 +203,31 @@ def faces_with_images(case: ResolvedCase, time: float) -> list[Floats]:
     return found
 
 
-def _faces_at_start(part: AnyObstacle) -> Floats:
+def faces_of(part: AnyObstacle) -> Floats:
+    """Return the faces of an obstacle at the start, (n, 3 or 4, 3) array, m."""
     if isinstance(part, MeshObstacle):
         return surface_of(part).corners
     if isinstance(part, PolygonObstacle):
         return np.pad(np.array([part.corners]), ((0, 0), (0, 0), (0, 1)))
-    corner = np.array(list(product(*part.extents)))
+    corner = turned(part, np.array(list(product(*part.extents))))
     return corner[BOX_FACES] if part.z else np.pad(corner[[[0, 1, 3, 2]]], ((0, 0), (0, 0), (0, 1)))
+
+
+def turned(box: BoxObstacle, corner: Floats) -> Floats:
+    """Return the corners of a box, turned as it is about the vertical through its middle, m."""
+    if box.turn == 0.0:
+        return corner
+    along, aside = cos(radians(box.turn)), sin(radians(box.turn))
+    middle = corner[:, :2].mean(axis=0)
+    found = corner.copy()
+    found[:, :2] = middle + (corner[:, :2] - middle) @ np.array([[along, aside], [-aside, along]])
+    return found
 
 
 def trajectories(case: ResolvedCase) -> dict[int, Trajectory]:
     """Return the ways of the obstacles that move, by the numbers of their walls."""
     return {
-        number: Trajectory(part.motion, _faces_at_start(part).reshape(-1, 3), case)
+        number: Trajectory(part.motion, faces_of(part).reshape(-1, 3), case)
         for number, part in enumerate(case.obstacle, start=len(WALL_NAMES))
         if isinstance(part.motion, Motion)
     }

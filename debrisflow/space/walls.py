@@ -25,7 +25,7 @@ from debrisflow.case.resolved import (
     ResolvedChannel3D,
     ResolvedChannelShape,
 )
-from debrisflow.case.shapes import Plain, Runout, is_three_dimensional, plain_of, runout_of
+from debrisflow.case.shapes import Channel3D, Plain, Runout, Tank3D, plain_of, runout_of
 from debrisflow.case.triangles import Surface, cells_inside, nearest_points
 from debrisflow.space.domain import (
     BACK,
@@ -84,7 +84,7 @@ def wall_points(case: ResolvedCase) -> WallPoints:
             _chosen(mouth, mouth.position[:, 0] > border),
         )
     for number, obstacle in enumerate(case.obstacle, start=len(WALL_NAMES)):
-        if isinstance(obstacle, MeshObstacle) and is_three_dimensional(shape):
+        if isinstance(obstacle, MeshObstacle) and isinstance(shape, Tank3D | Channel3D):
             points = _felt_by_surface(points, points.name == number, obstacle, shape, case)
     if runout is not None and isinstance(shape, shapes.ChannelShape):
         points = _with_runout(points, shape, runout, case)
@@ -120,7 +120,9 @@ def _cells_of(case: ResolvedCase) -> tuple[tuple[int, ...], Cells]:
         return _tank3d_cells(shape, case)
     if isinstance(shape, shapes.Channel):
         return _channel_cells(shape, case)
-    return _channel3d_cells(shape, case)
+    if isinstance(shape, ResolvedChannel3D):
+        return _channel3d_cells(shape, case)
+    raise TypeError("the ground of a terrain is not drawn by particles")
 
 
 def _points_of_cells(start: tuple[int, ...], name: Cells, case: ResolvedCase) -> WallPoints:

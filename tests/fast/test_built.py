@@ -15,7 +15,7 @@ from debrisflow.case.triangles import cells_inside, nearest_points
 from debrisflow.cli import main
 from debrisflow.errors import CaseError
 from debrisflow.particles.seeding import seed
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.run.loop import simulate
 from debrisflow.space.carving import filled, fitted
 from debrisflow.space.volumes import differences

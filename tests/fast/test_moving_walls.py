@@ -11,7 +11,7 @@ import pyvista
 from debrisflow.case import load_case
 from debrisflow.neighbors.boundary import face_count, flow_of_walls_at, velocity_beside
 from debrisflow.neighbors.lattice import reference
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.run.folder import RunFolder
 from debrisflow.run.probes import samplers
 from debrisflow.schemes.choice import scheme_of

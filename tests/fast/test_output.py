@@ -16,7 +16,7 @@ from debrisflow.errors import OutputError
 from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.arrays import ARRAYS as TABLE
 from debrisflow.particles.record import Kind
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.run.folder import RunFolder
 from debrisflow.run.history import COLUMNS, history_row
 from debrisflow.run.measures import DepositProfile

@@ -12,7 +12,7 @@ from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.matter import set_material
 from debrisflow.particles.maxima import no_maxima
 from debrisflow.particles.record import Kind, blank
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.survey import survey

@@ -9,7 +9,7 @@ from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.errors import OutputError
 from debrisflow.neighbors.lattice import reference
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.survey import survey

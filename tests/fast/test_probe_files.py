@@ -13,7 +13,7 @@ from debrisflow.case import load_case
 from debrisflow.case.probes import TABLES
 from debrisflow.cli import main
 from debrisflow.errors import CaseError, OutputError
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.answers import answers
 from debrisflow.results.survey import survey

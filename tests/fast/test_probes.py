@@ -11,7 +11,7 @@ from debrisflow.errors import CaseError
 from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import wall_particles
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.run.probes import samplers
 from debrisflow.run.wall_pressure import force, pressure_on, wall_faces
 from debrisflow.schemes.explicit import Explicit

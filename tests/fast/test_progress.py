@@ -10,7 +10,7 @@ import pytest
 
 from debrisflow import _jit, load_case, simulate
 from debrisflow._jit import COMPILATIONS
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.run import progress
 from debrisflow.run.progress import COMPILING, OTHER, START_UP, WRITING, Progress
 from debrisflow.run.work import speeds, step_at

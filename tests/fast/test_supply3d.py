@@ -7,7 +7,7 @@ from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.particles.inflow_outflow import advance_supply, remove_leaving
 from debrisflow.particles.record import Kind
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.run import checkpoint
 from debrisflow.run.probes import samplers
 from debrisflow.space.domain import domain, wall_layers

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from debrisflow.neighbors.lattice import reference
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.physics.virtual_air import density_error, gate, missing, virtual_air
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from tests.building import endless_channel, tank_case

@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[2]
 STEPS = """
 from hashlib import sha256
 from debrisflow._jit import COMPILATIONS
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.schemes.choice import scheme_of
 from tests.building import tank3d_case
 

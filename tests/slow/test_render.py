@@ -15,7 +15,7 @@ from debrisflow.cli import main
 from debrisflow.errors import OutputError
 from debrisflow.particles.arrays import COLORED
 from debrisflow.particles.record import Kind
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.pictures import offscreen
 from debrisflow.results.pictures.coloring import KIND_COLORS, channels, scale_of

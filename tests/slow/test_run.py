@@ -14,7 +14,7 @@ from debrisflow.case.defaults import complete
 from debrisflow.cli import main
 from debrisflow.errors import DivergedError
 from debrisflow.particles.record import Kind
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.run import checkpoint, loop
 from debrisflow.run.measures import energies
 from debrisflow.schemes.semi_implicit import SemiImplicit

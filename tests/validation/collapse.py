@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow.case import load_case, tables
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.run.measures import energies
 from debrisflow.schemes.semi_implicit import SemiImplicit
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from debrisflow.case import load_case, tables
 from debrisflow.case.resolved import UnsteadyInflow
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from debrisflow.space.floor import height_over_floor, runout_bend
 from tests.building import advance

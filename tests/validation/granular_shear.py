@@ -15,7 +15,8 @@ from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
 from debrisflow.neighbors.boundary import face_at, face_count
 from debrisflow.neighbors.pairs import fluid_pair
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.physics.collision_stress import collision_force_at
 from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, radial_distribution
 from debrisflow.schemes.semi_implicit import SemiImplicit

@@ -16,7 +16,8 @@ from debrisflow.case import tables
 from debrisflow.case.defaults import complete
 from debrisflow.case.tables import Case
 from debrisflow.neighbors.height_field import HeightField, foot_on, height_field
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.schemes.explicit import Explicit
 
 Floats = NDArray[np.float64]

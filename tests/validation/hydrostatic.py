@@ -13,7 +13,7 @@ import numpy as np
 
 from debrisflow.case import load_case
 from debrisflow.particles.record import Kind
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.schemes.choice import scheme_of
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from debrisflow.case import tables
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.run.measures import elastic_energy, energies
 from debrisflow.schemes.choice import scheme_of
 

@@ -19,7 +19,7 @@ from scipy.interpolate import PchipInterpolator
 
 from debrisflow.case import Case, ResolvedCase
 from debrisflow.case.defaults import complete
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.schemes.choice import scheme_of
 from tests.validation.marching import states
 

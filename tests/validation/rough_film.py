@@ -8,7 +8,7 @@ import numpy as np
 
 from debrisflow.case import Case, tables
 from debrisflow.case.defaults import complete
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.physics.turbulence import KARMAN
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.semi_implicit import SemiImplicit

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.schemes.semi_implicit import SemiImplicit
 
 Floats = NDArray[np.float64]

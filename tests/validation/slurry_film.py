@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from tests.building import advance, endless_channel
 

@@ -23,7 +23,8 @@ from debrisflow.case import tables
 from debrisflow.case.defaults import complete
 from debrisflow.case.tables import Case
 from debrisflow.neighbors.height_field import HeightField, height_field, levels_at
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.schemes.explicit import Explicit
 from tests.validation.ground3d import distances
 

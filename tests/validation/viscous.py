@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from debrisflow.case import shapes, tables
 from debrisflow.case.defaults import complete
 from debrisflow.case.rheology import Coulomb
-from debrisflow.particles.state import initial_state
+from debrisflow.particles.start import initial_state
 from debrisflow.schemes.semi_implicit import SemiImplicit
 
 Floats = NDArray[np.float64]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase
 from debrisflow.case.friction import (
     CoulombFriction,
+    LogFriction,
     ManningFriction,
     VoellmyFriction,
 )
@@ -24,7 +25,7 @@ from debrisflow.physics.base_friction import (
     survey_columns,
 )
 from debrisflow.schemes.terms.term import Scene, Step, Term
-from debrisflow.space.domain import WALL_NAMES, domain
+from debrisflow.space.domain import WALL_NAMES, domain, first_zone, wall_names
 from debrisflow.space.floor import roughness_of
 from debrisflow.space.plan_grid import floor_extent
 
@@ -48,7 +49,7 @@ class BaseFrictions(Term):
     def __init__(self, case: ResolvedCase, *, is_implicit: bool) -> None:
         self._is_implicit, self.friction = is_implicit, friction_of(case)
         by_depth = np.any(self.friction.manning) or np.any(self.friction.turbulent)
-        self._grid = _grid_of(case) if by_depth else None
+        self._case, self._grid = case, _grid_of(case) if by_depth else None
 
     def act(self, step: Step) -> None:
         """Slow the fluid particles next to walls, unless the exchange of momentum does."""
@@ -94,13 +95,16 @@ class BaseFrictions(Term):
         columns = Columns(*np.ones((3, p.fluid_count)))
         if self._grid is None or p.fluid_count == 0:
             return columns
+        position, grid = p.position[p.fluid], self._grid
+        if self._case.is_terrain:  # of which a flow covers a small part
+            grid = _around(position, grid)
         survey_columns(
-            p.position[p.fluid],
+            position,
             velocity,
             _next_to_wall(scene, p.fluid_count, self.friction),
-            self._grid,
+            grid,
             scene.near.spacing,
-            np.zeros((*self._grid.shape, 5)),
+            np.zeros((*grid.shape, 5)),
             columns,
         )
         return columns
@@ -131,15 +135,29 @@ def _grid_of(case: ResolvedCase) -> Grid:
     )
 
 
+def _around(position: Floats, grid: Grid) -> Grid:
+    """Return the columns of a grid among which particles stand, with one more on each side."""
+    place = (position[:, :2] - grid.lower) / grid.width
+    first = np.clip(np.floor(place.min(axis=0)) - 1.0, 0.0, grid.shape - 1.0)
+    last = np.clip(np.floor(place.max(axis=0)) + 2.0, first + 1.0, grid.shape)
+    return grid._replace(
+        lower=grid.lower + first * grid.width, shape=(last - first).astype(np.int64)
+    )
+
+
 def friction_of(case: ResolvedCase) -> BaseFriction:
-    """Return the friction of walls and obstacles, in the order of their numbers."""
-    count = len(WALL_NAMES) + len(case.obstacle)
-    found = BaseFriction(*np.zeros((4, count)))
+    """Return the friction of walls, obstacles and zones, in the order of their numbers."""
+    found = BaseFriction(*np.zeros((4, len(wall_names(case)))))
     g = float(np.hypot(*case.gravity.components))
-    for number, name in enumerate(WALL_NAMES):
-        wall = getattr(case.walls, name)
-        table, found.roughness[number] = wall.friction, roughness_of(wall)
-        if isinstance(table, ManningFriction):
+    walls = [getattr(case.walls, name) for name in WALL_NAMES]
+    tables = {number: wall.friction for number, wall in enumerate(walls)}
+    tables |= {number: zone.friction for number, zone in enumerate(case.zone, first_zone(case))}
+    for number, wall in enumerate(walls):
+        found.roughness[number] = roughness_of(wall)
+    for number, table in tables.items():
+        if isinstance(table, LogFriction):
+            found.roughness[number] = table.roughness
+        elif isinstance(table, ManningFriction):
             found.manning[number] = g * table.coefficient**2
         elif isinstance(table, CoulombFriction):
             found.sliding[number] = (1.0 - table.pore_pressure) * tan(radians(table.angle))

@@ -11,6 +11,7 @@ from debrisflow.case import ResolvedCase
 from debrisflow.errors import DivergedError
 from debrisflow.particles.inflow_outflow import advance_supply, remove_leaving, wrap
 from debrisflow.particles.record import Particles
+from debrisflow.particles.releases import release_due
 from debrisflow.particles.supply import supply
 from debrisflow.physics.motion import move, survey_motion
 from debrisflow.schemes.terms.slip import Slip
@@ -63,6 +64,7 @@ class Motion(Term):
             p.velocity[fluid] += self._slip.velocity
             self._slip.move(step)
         advance_supply(state, self._case, step.dt)
+        release_due(state, self._case, state.time + step.dt)
         wrap(p, self._domain)
         _, outside = self.survey(p)
         # the box of a channel reaches down to the bottom of its recess, its floor does not

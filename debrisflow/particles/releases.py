@@ -1,0 +1,176 @@
+"""Releases onto a terrain: masses that start to move at a time, and hydrographs through lines.
+
+What each has released so far is kept in particles.  A hydrograph owes the volume that has come
+through its line, in particles; these are born in slabs a spacing thick beside the line, from the
+ground upward, as often as the last slab has moved on by a spacing.
+"""
+
+from __future__ import annotations
+
+from math import cos, hypot, radians, sin
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from debrisflow.case import ResolvedCase
+from debrisflow.case.resolved import ResolvedHydrographRelease
+from debrisflow.particles.matter import concentrations_of, reference_density, set_fraction
+from debrisflow.particles.record import Kind, Particles, blank
+from debrisflow.particles.state import State, count_phases
+from debrisflow.space.ground import MassRelease, ground_of
+from debrisflow.space.released import columns_of
+
+Floats = NDArray[np.float64]
+NEAREST = 0.7
+"""Spacings from others that a particle needs to be born."""
+ROUND_OFF = 1e-9  # of a particle
+
+
+def release_due(state: State, case: ResolvedCase, time: float) -> None:
+    """Add to a state what is to be released up to a time, s, as fluid."""
+    for k, release in enumerate(case.release):
+        if time < release.start:
+            continue
+        if isinstance(release, ResolvedHydrographRelease):
+            group = _born(release, state, case, time, int(state.released[k]))
+        elif state.released[k] == 0:
+            group = mass_of(release, case)
+        else:
+            continue
+        if group.count:
+            _admit(group, state)
+            state.released[k] += group.count
+
+
+def is_pending(case: ResolvedCase, time: float) -> bool:
+    """Return whether anything is to be released after a time, s."""
+    for release in case.release:
+        end = release.start
+        if isinstance(release, ResolvedHydrographRelease):
+            end += release.hydrograph.time[-1]
+        if time < end:
+            return True
+    return False
+
+
+def _admit(group: Particles, state: State) -> None:
+    """Put new fluid behind the other fluid particles and count it."""
+    particles = state.particles
+    group.id[:] = state.next_id + np.arange(group.count)
+    state.next_id += group.count
+    count_phases(group.kind, group.sediment_fraction, state.entered, state.entered_sediment)
+    particles.insert(particles.fluid.stop, group)
+    particles.fluid_count += group.count
+
+
+def mass_of(release: MassRelease, case: ResolvedCase) -> Particles:
+    """Return a released mass at its place, compressed under its own weight.
+
+        s = (rho / rho0) g (h - z) / c^2
+
+    with the height h - z of its column over a particle.
+    """
+    places = columns_of(release, case)
+    group = blank(len(places.position))
+    group.position[:] = places.position
+    _fill(group, concentrations_of(release, case.mixture)[0], case)
+    group.velocity[:, :2] = release.velocity
+    group.compression[:] = _compression(group, places.above, case)
+    return group
+
+
+def _fill(group: Particles, fraction: float, case: ResolvedCase) -> None:
+    """Give new particles their matter."""
+    set_fraction(group, slice(None), fraction, case)
+    group.kind[:] = Kind.LIQUID if fraction == 0.0 else Kind.MIXTURE
+
+
+def _compression(group: Particles, above: Floats, case: ResolvedCase) -> Floats:
+    gradient = max(-case.gravity.components[1], 0.0) / case.explicit_scheme.sound_speed**2
+    found: Floats = gradient * group.density / reference_density(case) * above
+    return found
+
+
+def volume_until(release: ResolvedHydrographRelease, time: float) -> float:
+    """Return the volume that a hydrograph has brought at a time, s, m3.
+
+    Between its rows the discharge is linear.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace as Table
+    >>> graph = Table(time=(0.0, 10.0, 20.0), discharge=(0.0, 4.0, 0.0))
+    >>> volume_until(Table(start=5.0, hydrograph=graph), 10.0)
+    5.0
+    """
+    graph, now = release.hydrograph, time - release.start
+    times, discharge = np.array(graph.time), np.array(graph.discharge)
+    ends = np.append(times[times < now], min(max(now, times[0]), times[-1]))
+    return float(np.trapezoid(np.interp(ends, times, discharge), ends))
+
+
+def _born(
+    release: ResolvedHydrographRelease, state: State, case: ResolvedCase, time: float, released: int
+) -> Particles:
+    """Return the particles that a hydrograph brings now; mostly none."""
+    d0, graph, now = case.particles.spacing, release.hydrograph, time - release.start
+    owed = int(volume_until(release, time) / d0**3 + ROUND_OFF) - released
+    discharge = float(np.interp(now, graph.time, graph.discharge, right=0.0))
+    slab = discharge / release.velocity / d0**2  # particles while the flow moves by a spacing
+    if owed < max(1.0, slab):
+        return blank(0)
+    place, along = _places_at_line(release, owed, released, case)
+    group = blank(len(place))
+    group.position[:] = place
+    group.velocity[:] = release.velocity * along
+    top = place[:, 2].max(initial=-np.inf)
+    concentration = float(np.interp(now, graph.time, graph.concentration))
+    _fill(group, concentration, case)
+    group.compression[:] = _compression(group, top - place[:, 2], case)
+    free = _is_free(place, state.particles, NEAREST * d0)
+    return _chosen(group, free)
+
+
+def _places_at_line(
+    release: ResolvedHydrographRelease, count: int, released: int, case: ResolvedCase
+) -> tuple[Floats, Floats]:
+    """Return where particles are born and the unit vectors along which they move, (n, 3) arrays.
+
+    Rows along the line are filled from the ground upward; the last is spread over the line, each
+    time by other places.
+    """
+    d0, ground = case.particles.spacing, ground_of(case)
+    start, end = np.array(release.line) - ground.grid[:2]
+    length = hypot(*(end - start))
+    across = max(1, round(length / d0))
+    row, column = np.divmod(np.arange(count), across)
+    last = count % across
+    share = (column + 0.5) / across
+    if last:
+        turned = (np.arange(last) + 0.5) / last + released * 0.618034
+        share[row == count // across] = turned % 1.0
+    bearing = radians(release.direction)
+    ahead = np.array([sin(bearing), cos(bearing)])
+    x, y = (start + share[:, None] * (end - start) + 0.5 * d0 * ahead).T
+    level, along, aside = ground.surface.level_and_slope(x, y)
+    place = np.column_stack([x, y, level + (row + 0.5) * d0])
+    rise = along * ahead[0] + aside * ahead[1]
+    way = np.column_stack([np.full(count, ahead[0]), np.full(count, ahead[1]), rise])
+    return place, way / np.linalg.norm(way, axis=1, keepdims=True)
+
+
+def _is_free(place: Floats, particles: Particles, distance: float) -> NDArray[np.bool_]:
+    """Return which places are farther than a distance, m, from all fluid particles."""
+    lower, upper = place.min(axis=0) - distance, place.max(axis=0) + distance
+    position = particles.position[particles.fluid]
+    near = position[np.all((position > lower) & (position < upper), axis=1)]
+    if not len(near):
+        return np.ones(len(place), dtype=bool)
+    apart, _ = cKDTree(near).query(place)
+    return np.asarray(apart > distance)
+
+
+def _chosen(group: Particles, rows: NDArray[np.bool_]) -> Particles:
+    group.keep(np.flatnonzero(rows), group.count)
+    return group

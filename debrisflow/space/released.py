@@ -1,0 +1,98 @@
+"""Where released matter stands: in columns on the ground of a terrain (NumPy only)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import ResolvedCase
+from debrisflow.case.coverage import depth_on
+from debrisflow.case.releases import HydrographRelease
+from debrisflow.space.ground import MassRelease, ground_of, is_taken_out
+
+Floats = NDArray[np.float64]
+LEAST_DISTANCE = 0.45
+"""Spacings from the ground, along its normal, of the lowest particle of a column on a slope."""
+
+
+class Columns(NamedTuple):
+    """Particles in upright columns on the ground, those of a column one after the other.
+
+    Attributes
+    ----------
+    position : (n, 3) float64 array, m
+    above : (n,) float64 array, m
+        Height of the column over the center of each.
+    """
+
+    position: Floats
+    above: Floats
+
+
+def source_of(case: ResolvedCase) -> Floats:
+    """Return the place of the first release, its middle or that of its line, (2,) array, m."""
+    first = min(case.release, key=lambda release: release.start)
+    if isinstance(first, HydrographRelease):
+        return np.asarray(np.mean(first.line, axis=0) - case.terrain.box[:2])
+    grid = ground_of(case).grid
+    depth = depth_on(first, grid)
+    cells = np.argwhere(depth > 0.0)
+    middle: Floats = np.average(cells + 0.5, axis=0, weights=depth[depth > 0.0]) * grid.cell
+    return middle
+
+
+def released_depth(case: ResolvedCase) -> Floats:
+    """Return the depth of all masses that are released, in the cells of the DEM, m."""
+    ground = ground_of(case)
+    depth = np.zeros(ground.given.shape)
+    for release in case.release:
+        if not isinstance(release, HydrographRelease):
+            depth += depth_on(release, ground.grid)
+    return depth
+
+
+def columns_of(release: MassRelease, case: ResolvedCase) -> Columns:
+    """Return the particles of a released mass, as many as its volume makes.
+
+    Columns stand a spacing apart and are as high as the mass is deep, rounded so that all of them
+    together hold its volume to a particle.
+    """
+    d0, ground = case.particles.spacing, ground_of(case)
+    depth = depth_on(release, ground.grid)
+    volume = float(depth.sum()) * ground.grid.cell**2
+    i, j = np.nonzero(depth > 0.0)
+    around = ground.surface.width if is_taken_out(release) else 0.0
+    lines = []
+    for cells in (i, j):
+        start, end = cells.min() * ground.grid.cell, (cells.max() + 1) * ground.grid.cell
+        first, last = np.floor((start - around) / d0), np.ceil((end + around) / d0)
+        lines.append((np.arange(first, last) + 0.5) * d0)
+    x, y = (line.ravel() for line in np.meshgrid(*lines, indexing="ij"))
+    if is_taken_out(release):
+        # between both smooth surfaces, which are not those of the cells
+        high = np.maximum(ground.whole.level(x, y) - ground.surface.level(x, y), 0.0)
+    else:
+        high = depth[ground.cells(x, y)]
+    inside = (x > 0.0) & (x < case.terrain.length) & (y > 0.0) & (y < case.terrain.width)
+    high[~inside] = 0.0
+    return stacked(x, y, high, round(volume / d0**3), case)
+
+
+def stacked(x: Floats, y: Floats, high: Floats, count: int, case: ResolvedCase) -> Columns:
+    """Return a number of particles in columns at places, (n,) arrays, m, as high as given, m.
+
+    The heights are rounded so that the particles up to each column are right to half a particle.
+    """
+    d0 = case.particles.spacing
+    until = np.floor(np.cumsum(high) * (count / high.sum()) + 0.5).astype(np.int64)
+    number = np.diff(until, prepend=0)
+    column = np.repeat(np.arange(x.size), number)
+    row = np.arange(column.size) - np.repeat(until - number, number)
+    level, along, across = ground_of(case).surface.level_and_slope(x, y)
+    lowest = np.maximum(0.5, LEAST_DISTANCE * np.sqrt(1.0 + along**2 + across**2)) * d0
+    position = np.empty((column.size, 3))
+    position[:, 0], position[:, 1] = x[column], y[column]
+    position[:, 2] = (level + lowest)[column] + row * d0
+    return Columns(position, (number[column] - row - 0.5) * d0)
