@@ -13,6 +13,7 @@ from PIL import Image
 
 from debrisflow.errors import OutputError
 from debrisflow.particles.record import Kind
+from debrisflow.results.fonts import writable
 from debrisflow.results.frames import Frame, read_frame
 from debrisflow.results.pictures.coloring import (
     KIND_COLORS,
@@ -179,8 +180,9 @@ class Painter:
         if abs(case.gravity.fall) > 1e-9:
             facts.append(f"x falls by {np.degrees(case.gravity.fall):.3g}°")
         facts += [view.remark] if view.remark else []
+        title = case.title if writable(case.title) else self.run.name
         plan = layout(panels, view.aspect, view.room)
-        sheet = Sheet(panels, plan, dots, (case.title, ", ".join(facts)))
+        sheet = Sheet(panels, plan, dots, (title, ", ".join(facts)))
         if self.scale.by == "kind":
             sheet.add_kinds(self.legend())
         else:
