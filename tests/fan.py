@@ -90,19 +90,19 @@ def depth_at(time):
     return known["release"] if time == 0 else depth
 
 
-def write_layers(folder: Path, suffix=".asc"):
-    """Write the layers into a run folder."""
+def write_layers(folder: Path, grid=GRID):
+    """Write the layers into a run folder, on a grid that may lie elsewhere."""
     folder = folder / "layers"
     folder.mkdir(parents=True, exist_ok=True)
     for name, values in layers().items():
-        write_raster(folder / f"{name}{suffix}", Raster(GRID, values))
+        write_raster(folder / f"{name}.asc", Raster(grid, values))
 
 
-def write_frames(folder: Path):
+def write_frames(folder: Path, grid=GRID):
     """Write the depths at times into the layers of a run folder."""
     listing = ["# time: s", "time,frame"]
     for number, time in enumerate(TIMES):
-        raster = Raster(GRID, depth_at(time))
+        raster = Raster(grid, depth_at(time))
         write_raster(folder / "layers" / f"depth_{number:06d}.asc", raster)
         listing.append(f"{time},{number}")
     (folder / "layers" / "depth.csv").write_text("\n".join(listing) + "\n")
