@@ -106,3 +106,29 @@ def write_frames(folder: Path, grid=GRID):
         write_raster(folder / "layers" / f"depth_{number:06d}.asc", raster)
         listing.append(f"{time},{number}")
     (folder / "layers" / "depth.csv").write_text("\n".join(listing) + "\n")
+
+
+def frame_at(time, spacing=1.0):
+    """Return particles at a time, s, from the south-west corner: a square grid, in layers."""
+    from debrisflow.particles.record import Kind
+    from debrisflow.results.frames import Frame
+
+    depth, known = np.nan_to_num(depth_at(time)), layers()
+    x, y = middles()
+    points, speeds = [], []
+    fine = (np.arange(GRID.cell / spacing) + 0.5) * spacing - 0.5 * GRID.cell
+    level = known["terrain"]
+    slope_y, slope_x = np.gradient(level, -GRID.cell, GRID.cell)
+    for dx in fine:
+        for dy in fine:
+            under = level + slope_x * dx + slope_y * dy
+            for layer in range(3):
+                there = depth > (layer + 0.5) * spacing if layer else depth > 0.2
+                above = under + (layer + 0.5) * spacing
+                points.append(np.column_stack([(x + dx)[there], (y + dy)[there], above[there]]))
+                fading = np.exp(-np.maximum(time - known["arrival"], 0.0) / 15.0)
+                speeds.append((fading * known["peak_speed"])[there])
+    position, speed = np.concatenate(points), np.concatenate(speeds)
+    velocity = np.column_stack([0.0 * speed, -speed, 0.0 * speed])
+    kind = np.full(speed.size, Kind.MIXTURE)
+    return Frame(float(time), position, {"kind": kind, "velocity": velocity})

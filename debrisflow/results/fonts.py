@@ -65,4 +65,9 @@ def writable(text: str) -> bool:
     >>> writable("Débris, φ = 30°")
     True
     """
-    return japanese_font() is not None or all(ord(letter) < 0x2E80 for letter in text)
+    return japanese_font() is not None or is_latin(text)
+
+
+def is_latin(text: str) -> bool:
+    """Return whether a text has no letters that only fonts for Japanese and the like hold."""
+    return all(ord(letter) < 0x2E80 for letter in text)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from debrisflow.case.rasters import MapGrid, Raster, UnreadableRasterError, read_raster
 from debrisflow.errors import OutputError
 from debrisflow.results.maps.looks import DEPTH, LOOKS, Look
+from debrisflow.results.reader import Run
 from debrisflow.run.tables import read_table
 
 Floats = NDArray[np.float64]
@@ -152,24 +153,25 @@ class Layers:
     @cached_property
     def _part(self) -> tuple[float, float, float, float]:
         """West, south, east and north of the part that is shown, m."""
-        grid = self._whole("terrain").grid
+        grid = self.whole("terrain").grid
         touched = np.zeros(grid.shape, dtype=bool)
         for name in (*self.names, "release"):
             if name in self.files:
-                touched |= self._whole(name).values > self.threshold
+                touched |= self.whole(name).values > self.threshold
         return part_around(grid, touched, self._aspects)
 
-    def _whole(self, name: str) -> Raster:
+    def whole(self, name: str) -> Raster:
+        """Return a layer as it is in its file."""
         try:
             raster = read_raster(self.files[name])
         except UnreadableRasterError as error:
             raise OutputError(f"{self.files[name]} {error}") from error
-        if name != "terrain" and raster.grid[:5] != self._whole("terrain").grid[:5]:
+        if name != "terrain" and raster.grid[:5] != self.whole("terrain").grid[:5]:
             raise OutputError(f"{self.files[name]} is not on the grid of {self.files['terrain']}")
         return raster
 
     def _cropped(self, name: str) -> Raster:
-        part = self._whole(name).cropped(*self._part)
+        part = self.whole(name).cropped(*self._part)
         factor = int(np.ceil(np.sqrt(part.values.size / self._most)))
         return coarsened(part, factor, REDUCED.get(name, np.fmax.reduce))
 
@@ -199,6 +201,19 @@ def coarsened(raster: Raster, factor: int, reduced: Callable[..., Floats]) -> Ra
     cell = factor * grid.cell
     kept = MapGrid(grid.west, grid.north - rows * cell, cell, columns, rows, grid.crs)
     return Raster(kept, reduced(reduced(blocks, axis=3), axis=1))
+
+
+def terrain_around(run: Run) -> Raster:
+    """Return the terrain of a run in the coordinates of its particles.
+
+    Raises
+    ------
+    OutputError
+        If the run has none, or its file is damaged.
+    """
+    raster = Layers(run.folder).whole("terrain")
+    base = (getattr(run.case.geometry, "origin", None) or (0.0, 0.0, 0.0))[2]
+    return Raster(raster.grid._replace(west=0.0, south=0.0), raster.values - base)
 
 
 def has_layers(folder: Path) -> bool:

@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from debrisflow.particles.arrays import COLORED
-from debrisflow.results.fonts import families
+from debrisflow.results.fonts import families, is_latin
 from debrisflow.results.pictures.coloring import COLOR_MAP, Scale
 
 WIDTH = 16.0  # of a page's text, cm
@@ -114,7 +114,9 @@ class Sheet:
 
     def _text(self, x: float, from_top: float, text: str, **how: Any) -> None:
         place = (x / WIDTH, 1.0 - from_top / self.plan.page)
-        self.figure.text(*place, text, fontfamily=families(), **how)
+        if not is_latin(text):  # fonts for Japanese may come without bold letters
+            how |= {"fontfamily": families(), "fontweight": "normal"}
+        self.figure.text(*place, text, **how)
 
     @property
     def pixels(self) -> tuple[int, int]:
