@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
+from debrisflow.results.hazard import hazard_map, write_hazard
+from debrisflow.results.hazard_classes import read_classes
 
 CRS = (
     'PROJCS["JGD2011 / Japan Plane Rectangular CS VIII",GEOGCS["JGD2011",DATUM["JGD2011",'
@@ -96,6 +98,11 @@ def write_layers(folder: Path, grid=GRID):
     folder.mkdir(parents=True, exist_ok=True)
     for name, values in layers().items():
         write_raster(folder / f"{name}.asc", Raster(grid, values))
+
+
+def write_classes(folder: Path, table="japan"):
+    """Write the map of hazard classes of a run folder."""
+    write_hazard(folder, hazard_map(folder, read_classes(table)))
 
 
 def write_frames(folder: Path, grid=GRID):

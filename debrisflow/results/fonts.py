@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from pathlib import Path
 
@@ -22,6 +23,10 @@ JAPANESE = {
     "Meiryo": "meiryo.",
     "MS Gothic": "msgothic",
 }
+CLOSING = "、。，：）～"
+FIRST_WIDE = 0x2E80  # of the letters of Chinese, Japanese and Korean
+# words, single letters of Japanese, and spaces; what closes a sentence stays with what is before
+PIECES = re.compile(rf"(?:[^\s\u2e80-\uffff]+|[\u2e80-\uffff])[{CLOSING}]*|\s+")
 LATIN = "DejaVu Sans"  # matplotlib brings it along
 INSTALL = (
     "no Japanese font was found, so that the labels of pictures are in English.\n"
@@ -57,6 +62,25 @@ def families(language: str = "en") -> list[str]:
     return [other, LATIN] if language == "ja" else [LATIN, other]
 
 
+def wrapped(text: str, width: int) -> list[str]:
+    """Return a text in lines; letters of Japanese are twice as wide and need no space to break.
+
+    Examples
+    --------
+    >>> wrapped("a flow of mud", 9), wrapped("最大流動深", 6)
+    (['a flow of', 'mud'], ['最大流', '動深'])
+    """
+    lines, line, room = [], "", 0
+    for piece in PIECES.findall(text):
+        size = sum(1 + (ord(letter) >= FIRST_WIDE) for letter in piece)
+        if line and room + size > width:
+            lines.append(line.rstrip())
+            line, room = "", 0
+        if line or not piece.isspace():
+            line, room = line + piece, room + size
+    return [*lines, line.rstrip()]
+
+
 def writable(text: str) -> bool:
     """Return whether pictures can show a text: Latin, Greek and the like they always can.
 
@@ -70,4 +94,4 @@ def writable(text: str) -> bool:
 
 def is_latin(text: str) -> bool:
     """Return whether a text has no letters that only fonts for Japanese and the like hold."""
-    return all(ord(letter) < 0x2E80 for letter in text)
+    return all(ord(letter) < FIRST_WIDE for letter in text)

@@ -84,7 +84,7 @@ def report(found: Survey, given: Sequence[Reference] = (), language: str = ENGLI
     page = environment.get_template("report.html").render(
         **_contents(found, given),
         words=words,
-        map=web_map(found.run, words) if has_layers(folder) else None,
+        map=web_map(found.run, words) if has_layers(found.run) else None,
         script=_own("map.js"),
         style=_own("map.css"),
         plots=[_picture(file) for file in written if file.suffix == ".png"],

@@ -16,16 +16,18 @@ from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.cli import main
 from debrisflow.errors import OutputError
 from debrisflow.results import fonts, open_run
+from debrisflow.results.hazard_classes import read_classes, shipped
 from debrisflow.results.maps import draw_maps, pictures
-from debrisflow.results.maps.layers import Layers
-from debrisflow.results.maps.looks import DEPTH, LOOKS
+from debrisflow.results.maps.layers import Layer, Layers
+from debrisflow.results.maps.looks import DEPTH, LOOKS, scale_of
 from debrisflow.results.maps.places import places
 from debrisflow.results.maps.sheet import OPAQUE, Ground, Text, draw_map, styled
+from debrisflow.results.maps.structures import structures
 from debrisflow.results.maps.web import packed, page_words, web_map
 from debrisflow.results.words import Words, _table
 from debrisflow.run.folder import RunFolder
 from tests.building import tank3d_case
-from tests.fan import GRID, TIMES, write_frames, write_layers
+from tests.fan import GRID, TIMES, write_classes, write_frames, write_layers
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +42,7 @@ def run(tmp_path_factory):
     (folder / "probes" / "gate.csv").write_text(probes)
     write_layers(folder)
     write_frames(folder)
+    write_classes(folder)
     return open_run(folder)
 
 
@@ -75,19 +78,18 @@ def test_a_cell_has_the_color_of_its_class_where_it_lies_on_the_map():
     flat = at(1057.0, 5153.0)
     assert flat[0] == flat[1] == flat[2]  # gray
     # row 4 from the north, column 15 from the west
-    expected = OPAQUE * np.array(to_rgb("#3f4788")) + (1.0 - OPAQUE) * flat
+    expected = OPAQUE * np.array(to_rgb("#423f85")) + (1.0 - OPAQUE) * flat
     assert at(1155.0, 5255.0) == pytest.approx(expected, abs=0.03)
     assert at(1155.0, 5045.0) == pytest.approx(flat, abs=0.03)
 
 
 def layer_of(values):
-    from debrisflow.results.maps.layers import Layer
-
-    return Layer("peak_depth", LOOKS["peak_depth"], values, 0.05)
+    look = LOOKS["peak_depth"]
+    return Layer("peak_depth", look, values, scale_of(look, values, 0.05))
 
 
 def test_the_part_that_is_shown_holds_the_flow_and_the_release(run):
-    layers = Layers(run.folder)
+    layers = Layers(run)
     whole = np.loadtxt(run.folder / "layers" / "peak_depth.asc", skiprows=6)
     shown = layers.layer("peak_depth").values
     assert np.sum(whole >= 0.05) == np.isfinite(shown).sum()
@@ -99,7 +101,7 @@ def test_the_part_that_is_shown_holds_the_flow_and_the_release(run):
 
 
 def test_blocks_of_cells_keep_the_greatest_depth_and_the_first_arrival(run):
-    fine, coarse = Layers(run.folder), Layers(run.folder, most_cells=1000)
+    fine, coarse = Layers(run), Layers(run, most_cells=1000)
     assert coarse.terrain.values.size <= 1000
     for name, best in (("peak_depth", np.nanmax), ("arrival", np.nanmin)):
         assert best(coarse.layer(name).values) == best(fine.layer(name).values)
@@ -107,11 +109,14 @@ def test_blocks_of_cells_keep_the_greatest_depth_and_the_first_arrival(run):
 
 
 def test_layers_of_another_grid_are_refused(run, tmp_path):
-    write_layers(tmp_path)
+    folder = tmp_path / "run"
+    with RunFolder.create(folder, tank3d_case()):
+        pass
+    write_layers(folder)
     other = Raster(GRID._replace(west=0.0), np.ones(GRID.shape))
-    write_raster(tmp_path / "layers" / "deposit.asc", other)
-    with pytest.raises(OutputError, match=r"deposit\.asc is not on the grid of .*terrain\.asc"):
-        Layers(tmp_path).layer("deposit")
+    write_raster(folder / "layers" / "deposit.asc", other)
+    with pytest.raises(OutputError, match="'deposit' is not on the grid of the terrain"):
+        Layers(open_run(folder)).layer("deposit")
 
 
 def test_what_is_not_there_is_said(run, tmp_path):
@@ -126,10 +131,31 @@ def test_what_is_not_there_is_said(run, tmp_path):
     assert "has no layers to draw" in told.output
 
 
+def test_a_map_of_classes_names_them_and_their_source(run):
+    layer = Layers(run).layer("class_japan")
+    assert layer.scale.names == ("reached", "special", "special, marked")
+    assert np.nanmax(layer.values) == 3
+    assert "Enforcement Order" in layer.source
+    written, _ = draw_maps(run, Words(), ("class_japan",), 60)
+    assert written[0].name == "class_japan.png"
+
+
+def test_a_structure_has_the_outline_of_its_faces(tmp_path):
+    box = {"type": "box", "name": "dam", "x": [0.2, 0.3], "y": [0.1, 0.5], "z": [0.0, 0.3]}
+    with RunFolder.create(tmp_path / "run", tank3d_case(obstacle=[box])):
+        pass
+    (ring,) = structures(open_run(tmp_path / "run"))["dam"]
+    assert ring.min(axis=0) == pytest.approx([0.2, 0.1])
+    assert ring.max(axis=0) == pytest.approx([0.3, 0.5])
+
+
 class TestLanguage:
     def test_all_words_of_maps_and_page_are_known(self):
         known = _table("ja")
         told = {look.title for look in (*LOOKS.values(), DEPTH)} | set(page_words(Words()).values())
+        for path in shipped().values():
+            table = read_classes(path.stem)
+            told |= {table.title, *(one.name for one in table.classes)}
         for name in ("report.html", "map.html"):
             text = files("debrisflow.results").joinpath("templates", name).read_text()
             told |= set(re.findall(r"""words\(["']([^"']+)["'][,)]""", text))
@@ -148,7 +174,8 @@ class TestLanguage:
         )
         assert told.exit_code == 0, told.output
         assert "fonts-noto-cjk" in told.output
-        text = pictures.text_of(run, Layers(run.folder), "Deposit thickness", Words())
+        layers = Layers(run)
+        text = pictures.text_of(run, layers, layers.layer("deposit"), Words())
         assert text.subtitle == "fan"  # since the title could not be written
 
     @pytest.mark.skipif(fonts.japanese_font() is None, reason="no Japanese font is installed")
@@ -169,7 +196,9 @@ class TestPage:
 
     def test_it_holds_layers_frames_and_probes(self, run):
         found = web_map(run, Words("ja"))
-        assert [one["name"] for one in found["layers"]] == list(LOOKS)
+        assert [one["name"] for one in found["layers"]] == [*LOOKS, "class_japan"]
+        assert found["layers"][-1]["names"][0] == "到達範囲"
+        assert found["layers"][-1]["colors"][0] == "#fee08b"
         assert found["frames"]["times"] == list(TIMES)
         assert found["layers"][0]["title"] == "最大流動深"
         (place,) = found["places"]

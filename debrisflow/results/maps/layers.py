@@ -1,29 +1,26 @@
-"""The layers of a run, read from its folder, and the part of the map that they are shown in."""
+"""The layers of a run as maps show them: cut to the flow, without what is below the threshold."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cached_property
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.rasters import MapGrid, Raster, UnreadableRasterError, read_raster
+from debrisflow.case.rasters import Raster
 from debrisflow.errors import OutputError
-from debrisflow.results.maps.looks import DEPTH, LOOKS, Look
+from debrisflow.results.hazard import ClassMap, class_names, read_class_map
+from debrisflow.results.layers import layer_file, read_layer
+from debrisflow.results.maps.looks import DEPTH, LOOKS, Look, Scale, scale_of
+from debrisflow.results.maps.part import SHEET, coarsened, part_around
 from debrisflow.results.reader import Run
+from debrisflow.run.layers import FOLDER, FRAME, FRAME_TIMES
 from debrisflow.run.tables import read_table
 
 Floats = NDArray[np.float64]
-LAYERS = "layers"
-SUFFIXES = (".tif", ".asc")
-FRAME_TIMES = "depth.csv"
 REDUCED: dict[str, Callable[..., Floats]] = {"arrival": np.fmin.reduce, "terrain": np.mean}
-THRESHOLD = 0.05  # m, of files that do not state it
-MARGIN, LEAST_MARGIN = 0.08, 4.0  # of the longer side of the flow, and cells
-SHEET = (0.5, 1.5)  # the least and the greatest height of a map over its width
 
 
 class Layer(NamedTuple):
@@ -35,14 +32,17 @@ class Layer(NamedTuple):
     look : Look
     values : (rows, columns) float64 array
         The northernmost row first; nan where it is not shown.
-    least : float
-        Lower end of the first class: of a depth the threshold, below which nothing is shown.
+    scale : Scale
+        Its classes; the first begins at the threshold of a depth.
+    source : str
+        Of the thresholds of a map of classes.
     """
 
     name: str
     look: Look
     values: Floats
-    least: float
+    scale: Scale
+    source: str = ""
 
 
 class Layers:
@@ -50,8 +50,7 @@ class Layers:
 
     Parameters
     ----------
-    folder : Path
-        Of the run.
+    run : Run
     aspects : (float, float)
         The least and the greatest height over width of the part that is shown.
     most_cells : float
@@ -60,44 +59,44 @@ class Layers:
 
     Attributes
     ----------
-    folder : Path
-    files : dict of Path by name
+    threshold : float, m
+        Depth below which a cell counts as not reached.
 
     Raises
     ------
     OutputError
-        If there are none, or the terrain is not among them.
+        If the terrain is not among them.
     """
 
     def __init__(
-        self, folder: Path, aspects: tuple[float, float] = SHEET, most_cells: float = np.inf
+        self, run: Run, aspects: tuple[float, float] = SHEET, most_cells: float = np.inf
     ) -> None:
-        found = sorted((folder / LAYERS).glob("*"), key=lambda file: SUFFIXES[0] == file.suffix)
-        self.folder, self._aspects, self._most = folder, aspects, most_cells
-        self.files = {file.stem: file for file in found if file.suffix in SUFFIXES}
-        if "terrain" not in self.files:
+        self._folder, self._aspects, self._most = run.folder, aspects, most_cells
+        self.threshold = run.case.output.layer_depth
+        if not has_layers(run):
             raise OutputError(
-                f"{folder} has no layers to draw: {folder / LAYERS} lacks the terrain, which runs "
-                "on a terrain write"
+                f"{run.folder} has no layers to draw: {FOLDER}/ lacks the terrain, which only a "
+                "run on a terrain writes"
             )
 
     @cached_property
     def terrain(self) -> Raster:
-        """Return the elevation, m, over the part that is shown."""
-        return self._cropped("terrain")
+        """The elevation, m, over the part that is shown."""
+        return self._cropped("terrain", self._whole("terrain"))
 
     @cached_property
     def release(self) -> Floats | None:
-        """Return the depth of what is released, m, nan where nothing is; None if not known."""
-        if "release" not in self.files:
+        """The depth of what is released, m, nan where nothing is; None if not known."""
+        if layer_file(self._folder, "release") is None:
             return None
-        values = self._cropped("release").values
+        values = self._cropped("release", self._whole("release")).values
         return np.where(values > 0.0, values, np.nan)
 
     @property
     def names(self) -> list[str]:
-        """Return the names of the layers that can be shown, in the order of their table."""
-        return [name for name in LOOKS if name in self.files]
+        """Names of the layers that can be shown, those of classes last."""
+        known = [name for name in LOOKS if layer_file(self._folder, name) is not None]
+        return known + class_names(self._folder)
 
     def layer(self, name: str) -> Layer:
         """Return a layer over the part that is shown.
@@ -109,21 +108,23 @@ class Layers:
         """
         if name not in self.names:
             there = ", ".join(self.names) or "none"
-            raise OutputError(f"{self.folder} has no layer '{name}' to show; there are: {there}")
+            raise OutputError(f"{self._folder} has no layer '{name}' to show; there are: {there}")
+        if name not in LOOKS:
+            return self._classes(name, read_class_map(self._folder, name))
         return self._shown(name, LOOKS[name])
 
     @cached_property
     def frames(self) -> list[tuple[float, str]]:
-        """Return times, s, and names of the depths at times, if the run kept any."""
-        listing = self.folder / LAYERS / FRAME_TIMES
+        """Times, s, and names of the depths at times, if the run kept any."""
+        listing = self._folder / FOLDER / FRAME_TIMES
         if not listing.is_file():
             return []
         table = read_table(listing, needed=("time", "frame"))
         named = [
-            (float(time), f"depth_{int(number):06d}")
+            (float(time), f"{FRAME}_{int(number):06d}")
             for time, number in zip(table["time"], table["frame"], strict=True)
         ]
-        return [(time, name) for time, name in named if name in self.files]
+        return [one for one in named if layer_file(self._folder, one[1]) is not None]
 
     def frame(self, name: str) -> Layer:
         """Return the depth at a time by its name."""
@@ -131,76 +132,41 @@ class Layers:
 
     def _shown(self, name: str, look: Look) -> Layer:
         least = self.threshold if look.is_depth else 0.0
-        values = self._cropped(name).values
-        return Layer(name, look, np.where(values >= least, values, np.nan), least)
+        values = self._cropped(name, self._whole(name)).values
+        shown = np.where(values >= least, values, np.nan)
+        return Layer(name, look, shown, scale_of(look, shown, least))
 
-    @cached_property
-    def threshold(self) -> float:
-        """Return the depth, m, below which a cell counts as not reached."""
-        return float(self.tags("peak_depth").get("threshold", f"{THRESHOLD}").split()[0])
-
-    def tags(self, name: str) -> Mapping[str, str]:
-        """Return what the file of a layer says of itself; nothing if it is an ASCII grid."""
-        file = self.files.get(name)
-        if file is None or file.suffix != ".tif":
-            return {}
-        import rasterio
-
-        with rasterio.open(file) as opened:
-            tags: Mapping[str, str] = opened.tags()
-            return tags
+    def _classes(self, name: str, found: ClassMap) -> Layer:
+        values = self._cropped(name, found.raster).values
+        bounds = np.arange(0.5, len(found.names) + 1.0)
+        scale = Scale(bounds, found.colors, found.names)
+        return Layer(name, Look(found.title, "", found.colors), values, scale, found.source)
 
     @cached_property
     def _part(self) -> tuple[float, float, float, float]:
         """West, south, east and north of the part that is shown, m."""
-        grid = self.whole("terrain").grid
-        touched = np.zeros(grid.shape, dtype=bool)
-        for name in (*self.names, "release"):
-            if name in self.files:
-                touched |= self.whole(name).values > self.threshold
-        return part_around(grid, touched, self._aspects)
+        touched = np.zeros(self._whole("terrain").grid.shape, dtype=bool)
+        for name in ("peak_depth", "release"):
+            if layer_file(self._folder, name) is not None:
+                touched |= self._whole(name).values >= self.threshold
+        return part_around(self._whole("terrain").grid, touched, self._aspects)
 
-    def whole(self, name: str) -> Raster:
-        """Return a layer as it is in its file."""
-        try:
-            raster = read_raster(self.files[name])
-        except UnreadableRasterError as error:
-            raise OutputError(f"{self.files[name]} {error}") from error
-        if name != "terrain" and raster.grid[:5] != self.whole("terrain").grid[:5]:
-            raise OutputError(f"{self.files[name]} is not on the grid of {self.files['terrain']}")
-        return raster
+    def _whole(self, name: str) -> Raster:
+        return read_layer(self._folder, name)
 
-    def _cropped(self, name: str) -> Raster:
-        part = self.whole(name).cropped(*self._part)
+    def _cropped(self, name: str, raster: Raster) -> Raster:
+        if raster.grid[:5] != self._whole("terrain").grid[:5]:
+            raise OutputError(
+                f"{self._folder}: the layer '{name}' is not on the grid of the terrain"
+            )
+        part = raster.cropped(*self._part)
         factor = int(np.ceil(np.sqrt(part.values.size / self._most)))
         return coarsened(part, factor, REDUCED.get(name, np.fmax.reduce))
 
 
-def coarsened(raster: Raster, factor: int, reduced: Callable[..., Floats]) -> Raster:
-    """Return a raster whose cells are blocks of cells; what makes no whole block is left out.
-
-    Parameters
-    ----------
-    raster : Raster
-    factor : int
-        Cells along the side of a block.
-    reduced : function
-        Reduces an array along an axis, as ``numpy.mean`` does.
-
-    Examples
-    --------
-    >>> raster = Raster(MapGrid(0.0, 0.0, 1.0, 2, 2), np.array([[1.0, 2.0], [np.nan, 4.0]]))
-    >>> coarsened(raster, 2, np.fmax.reduce).values
-    array([[4.]])
-    """
-    if factor <= 1:
-        return raster
-    grid, values = raster.grid, raster.values
-    rows, columns = grid.rows // factor, grid.columns // factor
-    blocks = values[: rows * factor, : columns * factor].reshape(rows, factor, columns, factor)
-    cell = factor * grid.cell
-    kept = MapGrid(grid.west, grid.north - rows * cell, cell, columns, rows, grid.crs)
-    return Raster(kept, reduced(reduced(blocks, axis=3), axis=1))
+def has_layers(run: Run) -> bool:
+    """Return whether a run has left layers of a map."""
+    return layer_file(run.folder, "terrain") is not None
 
 
 def terrain_around(run: Run) -> Raster:
@@ -211,57 +177,6 @@ def terrain_around(run: Run) -> Raster:
     OutputError
         If the run has none, or its file is damaged.
     """
-    raster = Layers(run.folder).whole("terrain")
+    raster = read_layer(run.folder, "terrain")
     base = (getattr(run.case.geometry, "origin", None) or (0.0, 0.0, 0.0))[2]
     return Raster(raster.grid._replace(west=0.0, south=0.0), raster.values - base)
-
-
-def has_layers(folder: Path) -> bool:
-    """Return whether the folder of a run holds layers of a map."""
-    return any((folder / LAYERS / f"terrain{suffix}").is_file() for suffix in SUFFIXES)
-
-
-def part_around(
-    grid: MapGrid, touched: NDArray[np.bool_], aspects: tuple[float, float] = SHEET
-) -> tuple[float, float, float, float]:
-    """Return the part of a grid around some cells, with a margin, neither flat nor tall.
-
-    Parameters
-    ----------
-    grid : MapGrid
-    touched : (rows, columns) bool array
-    aspects : (float, float)
-        The least and the greatest height over width, where the grid reaches so far.
-
-    Returns
-    -------
-    (west, south, east, north) : tuple of float, m
-
-    Examples
-    --------
-    >>> cells = np.zeros((100, 100), dtype=bool)
-    >>> cells[40:60, 50] = True
-    >>> part_around(MapGrid(0.0, 0.0, 1.0, 100, 100), cells)
-    (41.0, 36.0, 60.0, 64.0)
-    """
-    rows, columns = np.nonzero(touched)
-    if not rows.size:
-        return grid.west, grid.south, grid.east, grid.north
-    height, width = float(np.ptp(rows) + 1), float(np.ptp(columns) + 1)
-    margin = np.ceil(max(MARGIN * max(height, width), LEAST_MARGIN))
-    height, width = height + 2.0 * margin, width + 2.0 * margin
-    height, width = max(height, aspects[0] * width), max(width, height / aspects[1])
-    sides = []
-    for cells, extent, count in ((columns, width, grid.columns), (rows, height, grid.rows)):
-        middle = 0.5 * (cells.min() + cells.max() + 1)
-        extent = min(float(np.ceil(extent)), float(count))
-        first = np.clip(np.round(middle - 0.5 * extent), 0, count - extent)
-        sides.append((float(first), float(first + extent)))
-    (west, east), (top, bottom) = sides
-    cell = grid.cell
-    return (
-        grid.west + west * cell,
-        grid.north - bottom * cell,
-        grid.west + east * cell,
-        grid.north - top * cell,
-    )

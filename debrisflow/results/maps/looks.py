@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, to_hex
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from debrisflow.run.layer_styles import DEPTH as DEPTHS
+from debrisflow.run.layer_styles import LIMITS, VIRIDIS, colors_of, palette_of
+
 Floats = NDArray[np.float64]
-FEWEST, MOST = 3, 7  # classes where none are set
-ENDS = (0.03, 0.97)  # of a color map: its very ends cannot be told from black and white
-HIGH = 99.8  # percentile at the upper end of such classes, so that one cell does not determine it
-DEPTHS = (0.25, 0.5, 1.0, 2.0, 4.0)
+FEWEST, MOST = 3, 6  # classes where none are set
 
 
 class Look(NamedTuple):
@@ -23,10 +23,9 @@ class Look(NamedTuple):
     Attributes
     ----------
     title, unit : str
-    colors : str
-        A map of matplotlib that is even to the eye and safe for color-blind readers; the darker
-        the more dangerous.
-    limits : tuple of float
+    palette : sequence of str
+        Colors of seven classes, the darker the more dangerous.
+    limits : sequence of float
         Between classes, in the unit; the same for all runs, so that maps can be compared.
         Classes of one width if empty.
     is_depth : bool
@@ -37,27 +36,28 @@ class Look(NamedTuple):
 
     title: str
     unit: str
-    colors: str
-    limits: tuple[float, ...] = ()
+    palette: Sequence[str]
+    limits: Sequence[float] = ()
     is_depth: bool = False
     has_lines: bool = False
 
 
+def _look(name: str, title: str, unit: str, is_depth: bool = False) -> Look:
+    return Look(title, unit, palette_of(name), LIMITS[name], is_depth)
+
+
+# classes of times are those of the run: lines of the arrival are to be evenly spaced
 LOOKS = {
-    "peak_depth": Look("Peak flow depth", "m", "viridis_r", DEPTHS, is_depth=True),
-    "peak_speed": Look("Peak flow speed", "m/s", "plasma_r", (1.0, 2.0, 5.0, 10.0, 20.0)),
-    "peak_momentum_flux": Look(
-        "Peak momentum flux h u²", "m³/s²", "inferno_r", (1.0, 3.0, 10.0, 30.0, 100.0)
-    ),
-    "peak_pressure": Look(
-        "Peak dynamic pressure ρ u²", "kPa", "magma_r", (5.0, 10.0, 30.0, 50.0, 100.0)
-    ),
-    "arrival": Look("Arrival time", "s", "viridis", has_lines=True),
-    "duration": Look("Duration of flow", "s", "YlGnBu"),
-    "deposit": Look("Deposit thickness", "m", "YlOrBr", DEPTHS, is_depth=True),
-    "final_depth": Look("Flow depth at the end", "m", "viridis_r", DEPTHS, is_depth=True),
+    "peak_depth": _look("peak_depth", "Peak flow depth", "m", is_depth=True),
+    "peak_speed": _look("peak_speed", "Peak flow speed", "m/s"),
+    "peak_momentum_flux": _look("peak_momentum_flux", "Peak momentum flux h u²", "m³/s²"),
+    "peak_pressure": _look("peak_pressure", "Peak dynamic pressure ρ u²", "kPa"),
+    "arrival": Look("Arrival time", "s", palette_of("arrival"), has_lines=True),
+    "duration": Look("Duration of flow", "s", palette_of("duration")),
+    "deposit": _look("deposit", "Deposit thickness", "m", is_depth=True),
+    "final_depth": _look("final_depth", "Flow depth at the end", "m", is_depth=True),
 }
-DEPTH = Look("Flow depth", "m", "viridis_r", DEPTHS, is_depth=True)  # at a time
+DEPTH = Look("Flow depth", "m", VIRIDIS, DEPTHS, is_depth=True)  # at a time
 
 
 class Scale(NamedTuple):
@@ -67,13 +67,16 @@ class Scale(NamedTuple):
     ----------
     bounds : (n + 1,) array
         In the unit of the layer.
-    colors : list of str
+    colors : sequence of str
         As ``#rrggbb``, from the lowest class to the highest; one more than there are intervals if
         some values lie above the last bound.
+    names : sequence of str
+        Of the classes, where these are none of numbers.
     """
 
     bounds: Floats
-    colors: list[str]
+    colors: Sequence[str]
+    names: Sequence[str] = ()
 
     @property
     def is_open(self) -> bool:
@@ -113,13 +116,11 @@ def scale_of(look: Look, values: Floats, least: float) -> Scale:
     limits = np.array([limit for limit in look.limits if limit > least])
     if limits.size and greatest > limits[0]:
         bounds = np.array([least, *limits[: int(np.sum(limits < greatest)) + 1]])
-        shades = np.linspace(*ENDS, limits.size + 1)
+        colors = colors_of(look.palette, limits.size + 1)
     else:
-        high = float(np.percentile(known, HIGH)) if known.size else least
-        bounds = _even(least, high)
-        shades = np.linspace(*ENDS, bounds.size - 1)
+        bounds = _even(least, greatest)
+        colors = colors_of(look.palette, bounds.size - 1)
     count = bounds.size - 1 + bool(limits.size and greatest > bounds[-1])
-    colors = [to_hex(color) for color in colormaps[look.colors](shades)]
     return Scale(bounds, colors[:count])
 
 

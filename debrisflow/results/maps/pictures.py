@@ -7,8 +7,9 @@ from pathlib import Path
 
 from debrisflow import __version__
 from debrisflow.results.fonts import INSTALL, japanese_font, writable
-from debrisflow.results.maps.layers import Layers
+from debrisflow.results.maps.layers import Layer, Layers
 from debrisflow.results.maps.sheet import Ground, Text, draw_map, styled
+from debrisflow.results.maps.structures import structures
 from debrisflow.results.reader import Run
 from debrisflow.results.words import Words
 from debrisflow.run.atomic import replaced
@@ -43,14 +44,14 @@ def draw_maps(
     OutputError
         If the run has no layers or none of such a name, or a file cannot be written.
     """
-    layers = Layers(run.folder)
+    layers = Layers(run)
     chosen = [layers.layer(name) for name in names or layers.names]
-    ground = Ground(layers.terrain, layers.release)
+    ground = Ground(layers.terrain, layers.release, structures(run))
     drawn, messages = drawable(words)
     files = []
     with styled(drawn):
         for layer in chosen:
-            figure = draw_map(ground, layer, text_of(run, layers, layer.look.title, drawn), drawn)
+            figure = draw_map(ground, layer, text_of(run, layers, layer, drawn), drawn)
             files.append(run.folder / MAPS / f"{layer.name}.png")
             with replaced(files[-1]) as unfinished:
                 made_by = {"Software": "debrisflow"}
@@ -65,7 +66,7 @@ def drawable(words: Words) -> tuple[Words, list[str]]:
     return words, []
 
 
-def text_of(run: Run, layers: Layers, title: str, words: Words) -> Text:
+def text_of(run: Run, layers: Layers, layer: Layer, words: Words) -> Text:
     """Return what is written around a map."""
     case, grid = run.case, layers.terrain.grid
     subtitle = case.title if writable(case.title) else run.name
@@ -84,4 +85,8 @@ def text_of(run: Run, layers: Layers, title: str, words: Words) -> Text:
         "it never exceeded {threshold} m are not shown.",
         threshold=f"{layers.threshold:g}",
     )
-    return Text(words(title), subtitle, (source, estimator))
+    lines = [source, estimator]
+    if layer.source:
+        told = layer.source if writable(layer.source) else "-"
+        lines.append(words("Thresholds: {source}", source=told))
+    return Text(words(layer.look.title), subtitle, tuple(lines))

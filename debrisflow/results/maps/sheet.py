@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-import textwrap
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import ListedColormap, to_rgb
+from matplotlib.colors import Colormap, ListedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon
 from numpy.typing import NDArray
 
 from debrisflow.case.rasters import MapGrid, Raster
-from debrisflow.results.fonts import families
+from debrisflow.results.fonts import families, wrapped, writable
 from debrisflow.results.maps.furniture import HALO, INK, draw_frame, draw_scale_and_north
 from debrisflow.results.maps.layers import Layer
-from debrisflow.results.maps.looks import Scale, scale_of
 from debrisflow.results.maps.relief import Contours, contours, hillshade
 from debrisflow.results.words import Words
 
@@ -32,6 +34,7 @@ OPAQUE = 0.85  # of a layer over the relief
 PAPER = 0.84  # gray behind the color bar: about that of the relief, so that colors are alike
 RELEASE = "#d4006a"
 CONTOUR = "#4a3b28"
+NAME_LETTERS = 16  # of a line of the name of a class
 SETTINGS: Any = {"text.parse_math": False, "font.size": 7.5, "axes.unicode_minus": False}
 
 
@@ -44,10 +47,13 @@ class Ground(NamedTuple):
         Elevation, m.
     release : (rows, columns) array or None
         Depth of what is released, m, nan where nothing is.
+    structures : mapping of list of (n, 2) array, m, by name
+        Outlines of dams and the like.
     """
 
     terrain: Raster
-    release: Floats | None
+    release: Floats | None = None
+    structures: Mapping[str, list[Floats]] = MappingProxyType({})
 
     @property
     def grid(self) -> MapGrid:
@@ -87,14 +93,17 @@ def draw_map(ground: Ground, layer: Layer, text: Text, words: Words) -> Figure:
     """
     figure, axes, size = _figure(ground.grid, text)
     levels = _draw_relief(axes, ground.terrain)
-    scale = scale_of(layer.look, layer.values, layer.least)
-    _draw_layer(axes, ground.grid, layer, scale)
+    _draw_layer(axes, ground.grid, layer)
     released = ground.release is not None and bool(np.isfinite(ground.release).any())
+    _draw_outline(axes, ground.grid, np.isfinite(layer.values), INK, 0.5)
     if ground.release is not None:
-        _draw_outline(axes, ground.grid, np.isfinite(ground.release))
+        for color, width in (("white", 2.6), (RELEASE, 1.4)):
+            _draw_outline(axes, ground.grid, np.isfinite(ground.release), color, width)
+    for name, rings in ground.structures.items():
+        _draw_structure(axes, name, rings)
     draw_frame(axes, ground.grid, words)
     draw_scale_and_north(axes, ground.grid, size, np.isfinite(layer.values), words)
-    _draw_key(figure, axes, layer, scale, words)
+    _draw_key(figure, axes, layer, words)
     _draw_signs(figure, axes, levels, released, words)
     return figure
 
@@ -106,7 +115,7 @@ def _figure(grid: MapGrid, text: Text) -> tuple[Figure, Axes, tuple[float, float
     height = width * ratio
     whole = LEFT + width + RIGHT
     letters = int(whole / LETTERS)
-    lines = [line for told in text.source for line in textwrap.wrap(told, letters)]
+    lines = [line for told in text.source for line in wrapped(told, letters)]
     below = BELOW + LINE * len(lines) + 0.08
     tall = ABOVE + height + below
     figure = Figure(figsize=(whole, tall))
@@ -145,7 +154,8 @@ def _draw_relief(axes: Axes, terrain: Raster) -> Contours:
     return found
 
 
-def _draw_layer(axes: Axes, grid: MapGrid, layer: Layer, scale: Scale) -> None:
+def _draw_layer(axes: Axes, grid: MapGrid, layer: Layer) -> None:
+    scale = layer.scale
     colors, norm = scale.map_and_norm
     shown = np.ma.masked_invalid(layer.values)
     axes.imshow(
@@ -162,13 +172,26 @@ def _draw_layer(axes: Axes, grid: MapGrid, layer: Layer, scale: Scale) -> None:
                 label.set(path_effects=HALO, zorder=7, clip_on=True)
 
 
-def _draw_outline(axes: Axes, grid: MapGrid, inside: NDArray[np.bool_]) -> None:
+def _draw_outline(
+    axes: Axes, grid: MapGrid, inside: NDArray[np.bool_], color: str, width: float
+) -> None:
     """Draw the border of some cells along their edges."""
     lines = outline(grid, inside)
-    for color, width in (("white", 2.6), (RELEASE, 1.4)):
-        axes.add_collection(
-            LineCollection(lines, colors=color, linewidths=width, capstyle="round", zorder=7)
-        )
+    axes.add_collection(
+        LineCollection(lines, colors=color, linewidths=width, capstyle="round", zorder=6)
+    )
+
+
+def _draw_structure(axes: Axes, name: str, rings: Sequence[Floats]) -> None:
+    """Draw a structure with its name."""
+    for ring in rings:
+        axes.add_patch(Polygon(ring, facecolor="white", edgecolor=INK, linewidth=1.0, zorder=7))
+    if rings and writable(name):
+        x, y = rings[0].max(axis=0)
+        axes.annotate(
+            name, (x, y), xytext=(3, 3), textcoords="offset points", fontsize=6.5,
+            path_effects=HALO, zorder=9, annotation_clip=True,
+        )  # fmt: skip
 
 
 def outline(grid: MapGrid, inside: NDArray[np.bool_]) -> list[Floats]:
@@ -190,27 +213,45 @@ def outline(grid: MapGrid, inside: NDArray[np.bool_]) -> list[Floats]:
     ]
 
 
-def _draw_key(figure: Figure, axes: Axes, layer: Layer, scale: Scale, words: Words) -> None:
-    """Draw the color bar with the unit, and what is not shown."""
+def _draw_key(figure: Figure, axes: Axes, layer: Layer, words: Words) -> None:
+    """Draw the color bar with the unit, or the names of classes, and what is not shown."""
     left, bottom, width, height = axes.get_position().bounds
     whole, tall = figure.get_size_inches()
+    scale = layer.scale
+    over = [_over_paper(color) for color in scale.colors]
+    if scale.names:
+        names = ["\n".join(wrapped(words(name), NAME_LETTERS)) for name in scale.names]
+        patches = [
+            Patch(facecolor=c, edgecolor=INK, label=n) for c, n in zip(over, names, strict=True)
+        ]
+        _legend(figure, patches[::-1], (left + width + 0.1 / whole, bottom + height), "upper left")
+        return
     high = min(0.6 * height, 3.2 / tall)
     place = (left + width + 0.2 / whole, bottom + height - high, 0.16 / whole, high)
     bar_axes = figure.add_axes(place, facecolor=str(PAPER))
-    colors, norm = scale.map_and_norm
-    over = [_over_paper(color) for color in scale.colors]
-    shown = ListedColormap(over[: colors.N]).with_extremes(over=over[-1])
+    count = scale.bounds.size - 1
     bar = figure.colorbar(
-        ScalarMappable(norm, shown), cax=bar_axes, spacing="uniform",
-        extend="max" if scale.is_open else "neither", extendfrac=0.1,
+        ScalarMappable(scale.map_and_norm[1], _colors(over, count)), cax=bar_axes,
+        spacing="uniform", extend="max" if scale.is_open else "neither", extendfrac=0.1,
     )  # fmt: skip
     bar.set_ticks(scale.bounds.tolist(), labels=[f"{bound:g}" for bound in scale.bounds])
     bar_axes.tick_params(labelsize=7, length=2)
     bar.set_label(f"{words(layer.look.title)}, {words(layer.look.unit)}", fontsize=7.5)
-    if layer.least > 0.0:
-        told = words("less is not shown")
-        x, y = place[0] - 0.1 / whole, place[1] - 0.1 / tall
-        figure.text(x, y, told, fontsize=6.5, va="top")
+    if layer.look.is_depth:
+        place = (place[0] - 0.1 / whole, place[1] - 0.1 / tall, *place[2:])
+        figure.text(*place[:2], words("less is not shown"), fontsize=6.5, va="top")
+
+
+def _colors(colors: Sequence[Any], count: int) -> Colormap:
+    return ListedColormap(colors[:count]).with_extremes(over=colors[-1])
+
+
+def _legend(
+    figure: Figure, handles: Sequence[Artist], place: tuple[float, float], corner: str
+) -> None:
+    how: Any = {"handlelength": 1.4, "borderaxespad": 0.0, "labelspacing": 0.8, "fontsize": 7}
+    how |= {"loc": corner, "bbox_to_anchor": place, "frameon": False}
+    figure.legend(handles=handles, **how)
 
 
 def _over_paper(color: str) -> tuple[float, float, float]:
@@ -224,10 +265,7 @@ def _draw_signs(figure: Figure, axes: Axes, levels: Contours, released: bool, wo
     left, bottom, width, _ = axes.get_position().bounds
     whole, _ = figure.get_size_inches()
     told = words("contours each\n{interval} m", interval=f"{levels.interval:g}")
-    handles = [Line2D([], [], color=CONTOUR, linewidth=0.7, label=told)]
+    handles: list[Artist] = [Line2D([], [], color=CONTOUR, linewidth=0.7, label=told)]
     if released:
         handles.append(Line2D([], [], color=RELEASE, linewidth=1.4, label=words("release")))
-    figure.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(left + width + 0.1 / whole, bottom),
-        frameon=False, fontsize=7, handlelength=1.4, borderaxespad=0.0,
-    )  # fmt: skip
+    _legend(figure, handles, (left + width + 0.1 / whole, bottom), "lower left")

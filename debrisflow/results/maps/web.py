@@ -19,6 +19,7 @@ from debrisflow.results.maps.looks import DEPTH, Look, Scale, scale_of
 from debrisflow.results.maps.places import places
 from debrisflow.results.maps.relief import contours, hillshade
 from debrisflow.results.maps.sheet import outline
+from debrisflow.results.maps.structures import structures
 from debrisflow.results.reader import Run
 from debrisflow.results.words import Words
 
@@ -45,7 +46,7 @@ def web_map(run: Run, words: Words) -> dict[str, Any]:
     OutputError
         If the run has no layers, or a file is damaged.
     """
-    layers = Layers(run.folder, PAGE, MOST_CELLS)
+    layers = Layers(run, PAGE, MOST_CELLS)
     terrain = layers.terrain
     grid = terrain.grid
     found: dict[str, Any] = {
@@ -63,6 +64,10 @@ def web_map(run: Run, words: Words) -> dict[str, Any]:
         "elevation": packed(terrain.values),
         "layers": [shown(layers.layer(name), words) for name in layers.names],
         "places": places(run, grid, words),
+        "structures": [
+            {"name": name, "rings": [in_cells(terrain, ring).tolist() for ring in rings]}
+            for name, rings in structures(run).items()
+        ],
         "release": [],
     }
     if layers.release is not None:
@@ -98,8 +103,8 @@ def page_words(words: Words) -> dict[str, str]:
 
 def shown(layer: Layer, words: Words) -> dict[str, Any]:
     """Return a layer with its classes and its values."""
-    scale = scale_of(layer.look, layer.values, layer.least)
-    return {"name": layer.name, "data": packed(layer.values)} | key(layer.look, scale, words)
+    data = {"name": layer.name, "data": packed(layer.values)}
+    return data | key(layer.look, layer.scale, words)
 
 
 def key(look: Look, scale: Scale, words: Words) -> dict[str, Any]:
@@ -108,7 +113,8 @@ def key(look: Look, scale: Scale, words: Words) -> dict[str, Any]:
         "title": words(look.title),
         "unit": words(look.unit),
         "bounds": scale.bounds.tolist(),
-        "colors": scale.colors,
+        "colors": list(scale.colors),
+        "names": [words(name) for name in scale.names],
         "isDepth": look.is_depth,
     }
 

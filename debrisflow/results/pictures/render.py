@@ -149,7 +149,7 @@ def views_of(
 ) -> list[Panels]:
     """Return the ways to see a run, the animated one first."""
     case = run.case
-    if has_layers(run.folder):
+    if has_layers(run):
         scene = scene_of(case, 0.0)
         return [TerrainPanels(terrain_around(run), scene, frames, case.particles.spacing)]
     extents = [extent_of(case, frame) for frame in frames]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from debrisflow.case.rasters import MapGrid, Raster
 from debrisflow.results.frames import Frame
 from debrisflow.results.maps.furniture import round_length
-from debrisflow.results.maps.layers import part_around
+from debrisflow.results.maps.part import part_around
 from debrisflow.results.maps.relief import contours, hillshade
 from debrisflow.results.pictures.coloring import Scale
 from debrisflow.results.pictures.panels import FINER, FREE, HALO, LINE, Pixels

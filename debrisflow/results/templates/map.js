@@ -101,6 +101,7 @@
     }
     drawContours();
     for (const edge of data.release) drawLine(edge.map(toPixels), RELEASE, 2);
+    for (const one of data.structures) drawStructure(one);
     for (const one of data.places) drawPlace(one);
     if (picked) drawCross(toPixels(picked));
     drawCoordinates();
@@ -134,6 +135,15 @@
         if (labelled && points.length > 8) write(String(level), ...middle, "center", 10);
       }
     }
+  }
+
+  function drawStructure({ name, rings }) {
+    for (const ring of rings) {
+      drawLine(ring.map(toPixels), INK, 1.5);
+      pen.fillStyle = "white";
+      pen.fill();
+    }
+    if (rings.length) write(name, toPixels(rings[0][0])[0] + 6, toPixels(rings[0][0])[1] + 12, "left");
   }
 
   function drawPlace({ name, line }) {
@@ -225,19 +235,20 @@
     return one;
   }
 
+  const titled = ({ title, unit }) => (unit ? `${title}, ${unit}` : title);
   const told = (value) => String(Number(value.toPrecision(3)));
 
   function drawKey() {
     const box = element("key");
     box.replaceChildren();
     if (current) {
-      made("strong", `${current.title}, ${current.unit}`, box);
-      const { bounds, colors } = current;
+      made("strong", titled(current), box);
+      const { bounds, colors, names } = current;
       for (let k = colors.length - 1; k >= 0; k--) {
         const row = made("div", undefined, box);
         made("i", undefined, row).style.background = colors[k];
-        const text = k + 1 < bounds.length ? `${bounds[k]} – ${bounds[k + 1]}` : `> ${bounds[k]}`;
-        made("span", text, row);
+        const range = k + 1 < bounds.length ? `${bounds[k]} – ${bounds[k + 1]}` : `> ${bounds[k]}`;
+        made("span", names[k] || range, row);
       }
       if (current.isDepth) made("small", words.less, box);
     }
@@ -252,7 +263,8 @@
 
   function valueAt(layer, cell) {
     const value = layer.values.at(cell);
-    return Number.isNaN(value) ? words.no_value : `${told(value)} ${layer.unit}`;
+    if (Number.isNaN(value)) return words.no_value;
+    return layer.names[Math.round(value) - 1] || `${told(value)} ${layer.unit}`;
   }
 
   function placeAt([x, y]) {
@@ -423,7 +435,7 @@
     });
     add("path", { d: path, fill: "none", stroke: "#0072b2", "stroke-width": 1.5 });
     const small = { "font-size": 11, fill: INK };
-    add("text", { ...small, x: left, y: 13 }, unit ? `${title}, ${unit}` : title);
+    add("text", { ...small, x: left, y: 13 }, titled({ title, unit }));
     for (const value of [low, high]) {
       add("text", { ...small, x: left - 4, y: y(value) + 4, "text-anchor": "end" }, told(value));
     }
