@@ -115,6 +115,14 @@ _references = click.option(
     help="CSV file of curves to compare with; may be repeated.",
 )
 
+_language = click.option(
+    "--language",
+    type=click.Choice(["en", "ja"]),
+    default="en",
+    show_default=True,
+    help="Language of headings and labels.",
+)
+
 
 @click.group(cls=Commands)
 @click.version_option(__version__, prog_name="debrisflow")
@@ -264,18 +272,48 @@ def postprocess(
 
 @main.command()
 @_results
+@_language
+@click.option(
+    "--layers",
+    metavar="NAME,NAME,...",
+    default="",
+    help="Layers to draw; all that the run wrote if left out.",
+)
+@click.option(
+    "--dpi", type=click.IntRange(50, 600), default=200, show_default=True, help="Dots per inch."
+)
+def maps(folder: Path, language: str, layers: str, dpi: int) -> None:
+    """Draw maps of the layers of the run in the folder RUN, over its terrain."""
+    from debrisflow.results import open_run
+    from debrisflow.results.maps import draw_maps
+    from debrisflow.results.words import Words
+
+    chosen = [name.strip() for name in layers.split(",") if name.strip()]
+    written, messages = draw_maps(open_run(folder), Words(language), chosen, dpi)
+    _print_files(written)
+    for line in messages:
+        click.echo(f"note: {line}", err=True)
+
+
+@main.command()
+@_results
 @_stations
 @_window
 @_smooth
 @_references
+@_language
 def report(
     folder: Path,
     stations: tuple[float, ...],
     window: tuple[float, float] | None,
     smooth: float | None,
     references: tuple[Path, ...],
+    language: str,
 ) -> None:
-    """Write a report on the run in the folder RUN: one self-contained HTML file."""
+    """Write a report on the run in the folder RUN: one self-contained HTML file.
+
+    That of a run on a terrain has a map of its layers, which needs no network.
+    """
     from debrisflow.results import open_run
     from debrisflow.results.references import read_reference
     from debrisflow.results.report import report
@@ -283,7 +321,7 @@ def report(
 
     given = [read_reference(path) for path in references]
     found = survey(open_run(folder), stations, window, smoothing=smooth)
-    _print_files([report(found, given)])
+    _print_files([report(found, given, language)])
 
 
 @main.command()

@@ -5,12 +5,20 @@ from __future__ import annotations
 import textwrap
 from pathlib import Path
 from typing import Any, NamedTuple
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.rasters import Raster, has_rasterio, write_raster
+from debrisflow.case.rasters import (
+    Raster,
+    UnreadableRasterError,
+    has_rasterio,
+    read_raster,
+    write_raster,
+)
 from debrisflow.case.vectors import write_polygons
+from debrisflow.errors import OutputError
 from debrisflow.results.hazard_classes import Classes
 from debrisflow.results.layers import read_layer
 from debrisflow.run.atomic import replaced_files
@@ -20,6 +28,7 @@ from debrisflow.run.layers import ENDINGS, polygons_of
 from debrisflow.run.tables import write_table
 
 LINE = 100  # letters
+ORDER, SOURCE = "; classes from the worst on", "source: "  # in the head of a table
 COLUMNS = ("class", "number", "cells", "area", "share")
 
 
@@ -113,8 +122,8 @@ def write_hazard(run: Path, found: HazardMap) -> list[Path]:
         (unfinished / f"{name}.qml").write_text(palette(entries), encoding="utf-8")
         _write_polygons(unfinished / f"{name}.geojson", found)
         head = (
-            f"{classes.title}; classes from the worst on",
-            f"source: {classes.source}",
+            f"{classes.title}{ORDER}",
+            f"{SOURCE}{classes.source}",
             "number: of the class in the raster",
             "area: m2, in plan",
             "share: of the area that the flow reaches",
@@ -144,6 +153,62 @@ def _write_polygons(path: Path, found: HazardMap) -> None:
         "area_m2": [one.area for one in shapes],
     }
     write_polygons(path, shapes, attributes, grid.crs)
+
+
+class ClassMap(NamedTuple):
+    """A map of classes that was written.
+
+    Attributes
+    ----------
+    raster : Raster
+        Numbers of classes; nan where there is none.
+    title, source : str
+    names, colors : tuple of str
+        Of the classes, from number 1 on.
+    """
+
+    raster: Raster
+    title: str
+    source: str
+    names: tuple[str, ...]
+    colors: tuple[str, ...]
+
+
+def class_names(run: Path) -> list[str]:
+    """Return the names of the maps of classes that were written for a run, ``class_NAME``."""
+    return sorted(file.stem for file in (run / POSTPROCESS).glob("class_*.qml"))
+
+
+def read_class_map(run: Path, name: str) -> ClassMap:
+    """Return a map of classes by its name.
+
+    Raises
+    ------
+    OutputError
+        If a file is missing or damaged.
+    """
+    stem = run / POSTPROCESS / name
+    files = (stem.with_suffix(f".{ending}") for ending in ENDINGS)
+    raster = next((file for file in files if file.is_file()), stem.with_suffix(".tif"))
+    try:
+        head = stem.with_suffix(".csv").read_text(encoding="utf-8").splitlines()
+        entries = ElementTree.parse(stem.with_suffix(".qml")).iter("paletteEntry")
+        found = sorted(
+            (int(e.get("value", "")), e.get("label", ""), e.get("color", "")) for e in entries
+        )
+        values = read_raster(raster)
+    except UnreadableRasterError as error:
+        raise OutputError(f"{raster} {error}") from error
+    except (OSError, ValueError, ElementTree.ParseError) as error:
+        raise OutputError(f"the map of classes {stem} cannot be read: {error}") from error
+    title, source = (line.removeprefix("# ") for line in head[:2])
+    return ClassMap(
+        values,
+        title.removesuffix(ORDER),
+        source.removeprefix(SOURCE),
+        tuple(label for _, label, _ in found),
+        tuple(color for _, _, color in found),
+    )
 
 
 def area_lines(found: HazardMap) -> list[str]:

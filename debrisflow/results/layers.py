@@ -17,7 +17,7 @@ def layer_names(run: Path) -> list[str]:
     OutputError
         If it holds none.
     """
-    names = [name for name in LAYERS if _file(run, name) is not None]
+    names = [name for name in LAYERS if layer_file(run, name) is not None]
     if not names:
         raise OutputError(
             f"{run} holds no layers of a map in {FOLDER}/: only a run on a terrain writes them"
@@ -40,7 +40,7 @@ def read_layer(run: Path, name: str) -> Raster:
     OutputError
         If the run has no such layer, or its file is damaged.
     """
-    file = _file(run, name)
+    file = layer_file(run, name)
     if file is None:
         raise OutputError(f"{run} has no layer '{name}', but {', '.join(layer_names(run))}")
     try:
@@ -51,7 +51,7 @@ def read_layer(run: Path, name: str) -> Raster:
         raise OutputError(f"{file} {error}") from error
 
 
-def _file(run: Path, name: str) -> Path | None:
+def layer_file(run: Path, name: str) -> Path | None:
     """Return the file of a layer; GeoTIFF before text, None for none."""
     files = [run / FOLDER / f"{name}.{ending}" for ending in ENDINGS]
     return next((file for file in files if file.is_file()), None)

@@ -5,14 +5,18 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from importlib.resources import files
 from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import jinja2
+from markupsafe import Markup
 
 from debrisflow import __version__
 from debrisflow.results.answers import answers_by_heading
+from debrisflow.results.maps.layers import has_layers
+from debrisflow.results.maps.web import web_map
 from debrisflow.results.parameters import Parameter, parameters, summary
 from debrisflow.results.plots import DESCRIPTIONS
 from debrisflow.results.postprocess import postprocess
@@ -21,8 +25,9 @@ from debrisflow.results.references import Reference, distances_to_all
 from debrisflow.results.station_figures import cells, figure
 from debrisflow.results.stations import VOLUME
 from debrisflow.results.survey import Survey
+from debrisflow.results.words import ENGLISH, Words
 from debrisflow.run.atomic import replaced
-from debrisflow.run.folder import PICTURES, POSTPROCESS
+from debrisflow.run.folder import MAPS, PICTURES, POSTPROCESS
 
 FILE = "report.html"
 RUNNING = "still running, or interrupted"
@@ -55,18 +60,19 @@ class Picture(NamedTuple):
     source: str
 
 
-def report(found: Survey, given: Sequence[Reference] = ()) -> Path:
+def report(found: Survey, given: Sequence[Reference] = (), language: str = ENGLISH) -> Path:
     """Write tables, plots and ``report.html`` of a survey, and return the page.
 
-    Pictures that ``debrisflow render`` has made before are on it.
+    Pictures that ``debrisflow render`` and ``debrisflow maps`` have made before are on it, and a
+    map that needs no network if the run has layers.
 
     Raises
     ------
     OutputError
         If the folder cannot be written.
     """
-    files, _ = postprocess(found, given)
-    plots = [_picture(file) for file in files if file.suffix == ".png"]
+    written, _ = postprocess(found, given)
+    words, folder = Words(language), found.run.folder
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("debrisflow.results", "templates"),
         autoescape=True,
@@ -76,12 +82,24 @@ def report(found: Survey, given: Sequence[Reference] = ()) -> Path:
     )
     environment.filters["figure"] = figure
     page = environment.get_template("report.html").render(
-        **_contents(found, given), plots=plots, pictures=_pictures(found.run.folder / PICTURES)
+        **_contents(found, given),
+        words=words,
+        map=web_map(found.run, words) if has_layers(found.run) else None,
+        script=_own("map.js"),
+        style=_own("map.css"),
+        plots=[_picture(file) for file in written if file.suffix == ".png"],
+        sheets=_pictures(folder / MAPS),
+        pictures=_pictures(folder / PICTURES),
     )
-    path = found.run.folder / POSTPROCESS / FILE
+    path = folder / POSTPROCESS / FILE
     with replaced(path) as unfinished:
         unfinished.write_text(page, encoding="utf-8")
     return path
+
+
+def _own(name: str) -> Markup:
+    """Return a file of the templates as it stands."""
+    return Markup(files("debrisflow.results").joinpath("templates", name).read_text("utf-8"))
 
 
 def _warnings(found: Survey) -> list[str]:

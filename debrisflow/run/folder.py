@@ -48,6 +48,7 @@ CHECKPOINT = "checkpoint.h5"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
 PICTURES = "render"
+MAPS = "maps"
 SURFACES = "surface.pvd"
 RESULTS = (
     CASE,
@@ -317,6 +318,7 @@ def _results(path: Path) -> Iterator[Path]:
         (FOLDER, r"\d{6,}\.vtu"),
         (MOVING, r"\d{6,}\.vtp"),
         (PICTURES, r"(side|plan|perspective)_\w+\.(png|gif)"),
+        (MAPS, r"\w+\.png"),
         (f"{POSTPROCESS}/{Path(SURFACES).stem}", r"\d{6,}\.vtp"),
         (POSTPROCESS, r"class_.+\.(tif|asc|prj|qml|geojson|csv)"),
     ):
@@ -340,7 +342,8 @@ def _clear(path: Path, overwrite: bool) -> None:
     for file in results:
         file.unlink()
     folders = {file.parent for file in results} | {
-        path / name for name in (FOLDER, MOVING, LAYERS, PROBES, POSTPROCESS, PICTURES)
+        path / name
+        for name in (FOLDER, MOVING, LAYERS, PROBES, POSTPROCESS, PICTURES, MAPS)
     }
     for folder in sorted(folders - {path}, reverse=True):  # those inside others first
         if folder.is_dir() and not any(folder.iterdir()):

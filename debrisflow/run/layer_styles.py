@@ -25,8 +25,23 @@ LIMITS: dict[str, Sequence[float]] = {
     "duration": TIME,
 }
 """Upper limits of the classes of a layer but the last, in its unit; others have shades of gray."""
-# viridis, from light to dark: what is more stands out of a light map
-COLORS = ("#fde725", "#90d743", "#35b779", "#21918c", "#31688e", "#443983", "#440154")
+# Maps of matplotlib and ColorBrewer that are even to the eye and safe for color-blind readers, from
+# light to dark: what is more, or comes sooner, stands out of a light map
+VIRIDIS = ("#ece51b", "#84d44b", "#32b67a", "#21908d", "#306a8e", "#423f85", "#460b5e")
+PLASMA = ("#f4ed27", "#fdac33", "#eb7655", "#cb4679", "#9e199d", "#6400a7", "#20068f")
+INFERNO = ("#f3f68a", "#fcac11", "#eb6628", "#ba3655", "#7c1d6d", "#3b0964", "#030210")
+MAGMA = ("#fcf0b2", "#fea772", "#ef5d5e", "#b5367a", "#752181", "#341069", "#03030f")
+BLUES = ("#eef8b3", "#c2e7b4", "#71c8bd", "#34a9c3", "#1f78b4", "#24439b", "#0e2265")
+BROWNS = ("#fff2b1", "#fed87a", "#feb13e", "#f5841e", "#d85a09", "#a93c03", "#712806")
+PALETTES = {
+    "peak_speed": PLASMA,
+    "peak_momentum_flux": INFERNO,
+    "peak_pressure": MAGMA,
+    "arrival": VIRIDIS[::-1],
+    "duration": BLUES,
+    "deposit": BROWNS,
+    "release": BROWNS,
+}
 DARK, LIGHT = "#202020", "#f8f8f8"
 
 
@@ -42,28 +57,47 @@ def style(name: str, unit: str, values: Floats) -> str:
     known = values[np.isfinite(values)]
     low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
     if name in LIMITS:
-        return _qml("DISCRETE", 0.8, low, high, class_items(LIMITS[name], unit))
+        items = list(class_items(LIMITS[name], unit, palette_of(name)))
+        return _qml("DISCRETE", 0.8, low, high, items)
     items = [(low, f"{low:.0f} {unit}", DARK), (high, f"{high:.0f} {unit}", LIGHT)]
     return _qml("INTERPOLATED", 1.0, low, high, items)
 
 
-def class_items(limits: Sequence[float], unit: str) -> Iterator[tuple[float, str, str]]:
+def palette_of(name: str) -> tuple[str, ...]:
+    """Return the colors of a layer, from those of little to those of much."""
+    return PALETTES.get(name, VIRIDIS)
+
+
+def colors_of(palette: Sequence[str], classes: int) -> list[str]:
+    """Return the colors of some classes, spread evenly over a palette.
+
+    Examples
+    --------
+    >>> colors_of(("#ffffff", "#888888", "#000000"), 2)
+    ['#ffffff', '#000000']
+    """
+    step = (len(palette) - 1) / max(classes - 1, 1)
+    return [palette[round(k * step)] for k in range(classes)]
+
+
+def class_items(
+    limits: Sequence[float], unit: str, palette: Sequence[str] = VIRIDIS
+) -> Iterator[tuple[float, str, str]]:
     """Yield upper limit, label and color of each class.
 
     Examples
     --------
     >>> for item in class_items((1.0, 2.0), "m"):
     ...     print(*item)
-    1.0 up to 1 m #fde725
-    2.0 1 to 2 m #21918c
-    inf more than 2 m #440154
+    1.0 up to 1 m #ece51b
+    2.0 1 to 2 m #21908d
+    inf more than 2 m #460b5e
     """
     labels = [f"up to {limits[0]:g} {unit}"]
     labels += [f"{a:g} to {b:g} {unit}" for a, b in pairwise(limits)]
     labels.append(f"more than {limits[-1]:g} {unit}")
-    step = (len(COLORS) - 1) / len(limits)
-    for k, (limit, label) in enumerate(zip((*limits, math.inf), labels, strict=True)):
-        yield limit, label, COLORS[round(k * step)]
+    colors = colors_of(palette, len(labels))
+    yield from zip((*limits, math.inf), labels, colors, strict=True)
 
 
 def palette(classes: Iterable[tuple[int, str, str]]) -> str:

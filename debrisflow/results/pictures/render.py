@@ -13,7 +13,9 @@ from PIL import Image
 
 from debrisflow.errors import OutputError
 from debrisflow.particles.record import Kind
+from debrisflow.results.fonts import writable
 from debrisflow.results.frames import Frame, read_frame
+from debrisflow.results.maps.layers import has_layers, terrain_around
 from debrisflow.results.pictures.coloring import (
     KIND_COLORS,
     KIND_WORDS,
@@ -32,11 +34,13 @@ from debrisflow.results.pictures.panels import (
     side_window,
 )
 from debrisflow.results.pictures.sheet import TEXT, Sheet, layout
+from debrisflow.results.pictures.terrain import TerrainPanels
 from debrisflow.results.pictures.views import Window
 from debrisflow.results.reader import BAR, Run, open_run
 from debrisflow.run.atomic import replaced
 from debrisflow.run.bar import bar
 from debrisflow.run.folder import PICTURES
+from debrisflow.space.scene import scene_of
 
 PANELS = 6
 OF_GRAINS = ("concentration", "granular_temperature")
@@ -55,7 +59,8 @@ def render(
     """Draw the frames of a run into its folder ``render``.
 
     In two dimensions a page of panels from the side and their animation; in three a page in
-    perspective and its animation, a page of the plan with the deposit, a page from the side.
+    perspective and its animation, a page of the plan with the deposit, a page from the side.  On a
+    terrain that in perspective alone, with the relief; ``debrisflow maps`` draws the plan.
 
     Parameters
     ----------
@@ -144,6 +149,9 @@ def views_of(
 ) -> list[Panels]:
     """Return the ways to see a run, the animated one first."""
     case = run.case
+    if has_layers(run):
+        scene = scene_of(case, 0.0)
+        return [TerrainPanels(terrain_around(run), scene, frames, case.particles.spacing)]
     extents = [extent_of(case, frame) for frame in frames]
     if case.dimension == 3:
         extent = highest(extents)
@@ -179,8 +187,9 @@ class Painter:
         if abs(case.gravity.fall) > 1e-9:
             facts.append(f"x falls by {np.degrees(case.gravity.fall):.3g}°")
         facts += [view.remark] if view.remark else []
+        title = case.title if writable(case.title) else self.run.name
         plan = layout(panels, view.aspect, view.room)
-        sheet = Sheet(panels, plan, dots, (case.title, ", ".join(facts)))
+        sheet = Sheet(panels, plan, dots, (title, ", ".join(facts)))
         if self.scale.by == "kind":
             sheet.add_kinds(self.legend())
         else:

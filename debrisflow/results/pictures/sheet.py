@@ -16,6 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from debrisflow.particles.arrays import COLORED
+from debrisflow.results.fonts import families, is_latin
 from debrisflow.results.pictures.coloring import COLOR_MAP, Scale
 
 WIDTH = 16.0  # of a page's text, cm
@@ -112,7 +113,10 @@ class Sheet:
         self._text(0.35, 0.72, line, fontsize=SMALL, va="top", color="#333333")
 
     def _text(self, x: float, from_top: float, text: str, **how: Any) -> None:
-        self.figure.text(x / WIDTH, 1.0 - from_top / self.plan.page, text, **how)
+        place = (x / WIDTH, 1.0 - from_top / self.plan.page)
+        if not is_latin(text):  # fonts for Japanese may come without bold letters
+            how |= {"fontfamily": families(), "fontweight": "normal"}
+        self.figure.text(*place, text, **how)
 
     @property
     def pixels(self) -> tuple[int, int]:

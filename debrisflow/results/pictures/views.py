@@ -218,6 +218,14 @@ class PerspectiveView:
             actor.mapper.scale_factor = SPHERE * self.spacing
         return _shot(self.plotter)
 
+    def add_ground(self, ground: pyvista.StructuredGrid, lines: pyvista.PolyData) -> None:
+        """Show a terrain whose points have the color ``shade``, and lines on it."""
+        known = {"lighting": False, "reset_camera": False, "render": False}
+        self.plotter.add_mesh(ground, scalars="shade", rgb=True, **known)
+        if lines.n_cells:
+            self.plotter.add_mesh(lines, color=EDGE, line_width=2, opacity=0.5, **known)
+        self.plotter.renderer.ResetCameraClippingRange()
+
     def close(self) -> None:
         """Give the picture's memory back."""
         self.plotter.close()

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from debrisflow import __version__
+from debrisflow.results.fonts import families, writable
 from debrisflow.results.parameters import summary
 from debrisflow.results.reader import Run
 from debrisflow.run.atomic import replaced
@@ -51,7 +52,7 @@ SETTINGS: Any = {
 
 def styled() -> AbstractContextManager[None]:
     """Return a context in which figures are made and written with these settings."""
-    return mpl.rc_context(SETTINGS)
+    return mpl.rc_context(SETTINGS | {"font.family": families()})
 
 
 def panels(
@@ -102,4 +103,5 @@ def caption(run: Run) -> str:
     """Return the source of a plot: run, parameters that matter, version."""
     parts = (part.replace(" ", "\N{NO-BREAK SPACE}") for part in summary(run.case).split(", "))
     told = ", ".join(parts)
-    return f"{run.name}: {run.case.title}. {told}. debrisflow {__version__}"
+    title = f"{run.case.title}. " if writable(run.case.title) else ""
+    return f"{run.name}: {title}{told}. debrisflow {__version__}"

@@ -1,0 +1,164 @@
+"""The map of a report in a browser: it draws, answers to the mouse, and loads nothing."""
+
+import shutil
+
+import pytest
+from playwright.sync_api import expect, sync_playwright
+
+from debrisflow.results import open_run
+from debrisflow.results.report import report
+from debrisflow.results.survey import survey
+from tests.building import tank3d_case
+from tests.fan import GRID, layers, terrain, write_frames, write_layers
+from tests.slow.test_render import written
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+MISSING = (
+    "no Chromium was found, in which the map of a report is tested; install it (Debian: "
+    "apt install chromium)"
+)
+QUIET = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+TITLE = '<script>alert(1)</script> & </title> "fan"'
+
+
+# the origin of the case's coordinates, where its probes stand, lies on the fan
+NEAR = GRID._replace(west=-225.0, south=-180.0)
+
+
+@pytest.fixture(scope="module")
+def page_file(tmp_path_factory):
+    """Return the report of a run with layers, frames of depth, a point and a section."""
+    water = {
+        "type": "block",
+        "x": [0.0, 0.3],
+        "y": [0.0, 0.6],
+        "z": [0.0, 0.5],
+        "material": "water",
+    }
+    probes = [
+        {"name": "sensor", "type": "point", "x": 0.4, "y": 0.3, "z": 0.1, "interval": 0.1},
+        {"name": "dam", "type": "section", "x": 0.5, "interval": 0.1},
+    ]
+    case = tank3d_case(fill=[water], probe=probes).model_copy(update={"title": TITLE})
+    folder = written(tmp_path_factory.mktemp("web") / "fan", case)
+    samples = "time,vx,vy,vz,pressure,concentration\n0,1,0,0,5,0.2\n10,2,0,0,nan,0.2\n"
+    (folder / "probes" / "sensor.csv").write_text(samples)
+    section = "time,discharge,sediment_discharge,concentration,speed,depth,width,volume,"
+    section += "sediment_volume\n0,0,0,nan,nan,0,0,0,0\n10,3,1,0.3,2,0.5,3,9,3\n"
+    (folder / "probes" / "dam.csv").write_text(section)
+    write_layers(folder, NEAR)
+    write_frames(folder, NEAR)
+    return report(survey(open_run(folder)))
+
+
+@pytest.fixture(scope="module")
+def browser():
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    assert found, MISSING
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=found, args=QUIET)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def page(browser, page_file):
+    """Return the page when its map is drawn; at its end nothing must have gone wrong in it."""
+    tab = browser.new_page(viewport={"width": 1100, "height": 900})
+    wrong = []
+    tab.on("console", lambda message: wrong.append(message.text))
+    tab.on("pageerror", lambda error: wrong.append(str(error)))
+    tab.on("dialog", lambda dialog: (wrong.append("dialog"), dialog.dismiss()))
+    tab.on("request", lambda one: wrong.append(one.url) if one.url[:4] == "http" else None)
+    tab.goto(page_file.as_uri())
+    tab.wait_for_selector("#map[data-ready=yes]", timeout=20_000)
+    tab.locator("#map").scroll_into_view_if_needed()
+    yield tab
+    assert wrong == []
+    tab.close()
+
+
+def on_map(page, east, north):
+    """Return where a place of the map is in the window, by its coordinates, m."""
+    box = page.locator("#map canvas").bounding_box()
+    grid = page.evaluate("JSON.parse(document.getElementById('map-data').textContent).grid")
+    scale = min((box["width"] - 2) / grid["columns"], (box["height"] - 2) / grid["rows"])
+    left = 0.5 * (box["width"] - scale * grid["columns"])
+    top = 0.5 * (box["height"] - scale * grid["rows"])
+    column = (east - grid["west"]) / grid["cell"]
+    row = (grid["north"] - north) / grid["cell"]
+    return box["x"] + left + scale * column, box["y"] + top + scale * row
+
+
+def drawn(page):
+    """Return the pixels of the map as text, to be compared."""
+    return page.evaluate("document.querySelector('#map canvas').toDataURL()")
+
+
+def test_a_title_is_text(page):
+    assert page.locator("h1").text_content() == TITLE
+    assert page.title() == TITLE
+
+
+def test_the_value_under_the_cursor_is_that_of_the_layer(page):
+    row, column = 90, 45
+    east = NEAR.west + NEAR.cell * (column + 0.5)
+    north = NEAR.north - NEAR.cell * (row + 0.5)
+    page.mouse.move(*on_map(page, east, north))
+    told = page.locator("[data-part=readout]").text_content()
+    depth = layers()["peak_depth"][row, column]
+    assert f"Peak flow depth: {depth:.3g} m" in told
+    assert f"elevation {terrain()[row, column]:.1f} m" in told
+
+
+def test_layers_opacity_and_zoom_change_what_is_drawn(page):
+    seen = {drawn(page)}
+    page.get_by_label("Arrival time").check()
+    assert "Arrival time, s" in page.locator("[data-part=key]").text_content()
+    seen.add(drawn(page))
+    page.locator("[data-part=opacity]").fill("30")
+    seen.add(drawn(page))
+    page.mouse.move(*on_map(page, 0.0, 0.0))
+    page.mouse.wheel(0.0, -200.0)
+    page.wait_for_timeout(100)
+    seen.add(drawn(page))
+    assert len(seen) == 4
+    page.get_by_role("button", name="show all").click()
+    page.get_by_label("terrain only").check()
+    assert "Arrival" not in page.locator("[data-part=key]").text_content()
+
+
+def test_the_slider_goes_through_the_times(page):
+    assert page.locator("[data-part=timing]").is_hidden()
+    page.get_by_label("Flow depth (time)").check()
+    first = drawn(page)
+    page.locator("[data-part=slider]").fill("8")
+    assert page.locator("[data-part=clock]").text_content() == "time 40 s"
+    assert drawn(page) != first
+    page.get_by_role("button", name="play").click()
+    expect(page.locator("[data-part=clock]")).not_to_have_text("time 40 s")
+    page.get_by_role("button", name="pause").click()
+
+
+def test_a_click_shows_values_and_their_course(page):
+    page.mouse.click(*on_map(page, 25.0, -30.0))
+    told = page.locator("[data-part=picked]")
+    assert "Deposit thickness" in told.text_content()
+    assert told.locator("svg").count() == 1  # the depth over the time
+
+
+def test_a_click_on_a_probe_shows_its_curves(page):
+    page.mouse.click(*on_map(page, 0.4, 0.3))
+    told = page.locator("[data-part=picked]")
+    assert told.locator("strong").text_content() == "sensor"
+    assert "pressure, Pa" in told.text_content()
+    page.mouse.click(*on_map(page, 0.5, 100.0))
+    assert told.locator("strong").text_content() == "dam"
+    assert "discharge, m3/s" in told.text_content()
