@@ -15,6 +15,7 @@ from typing import Any
 from debrisflow.case import (
     motion_checks,
     obstacle_checks,
+    pore_pressure_checks,
     probe_checks,
     rheology_checks,
     space_checks,
@@ -41,6 +42,7 @@ from debrisflow.case.tables import (
     CollisionStress,
     Drag,
     Gravity,
+    Hydrograph,
     Inflow,
     Particles,
     Scheme,
@@ -325,6 +327,19 @@ def memory_suffices(
         yield Problem("particles.spacing", message, particles.spacing)
 
 
+def rest_after_supply(time: Time, inflow: Inflow | None) -> Problems:
+    """Check that a run that is to stop at rest has a supply that ends."""
+    if time.stop_energy is None or inflow is None:
+        return
+    graph = inflow.hydrograph
+    if not isinstance(graph, Hydrograph) or graph.discharge[-1] > 0.0:
+        message = (
+            "has no effect, since the supply never ends: let its hydrograph end with the "
+            "discharge 0, or leave it out"
+        )
+        yield Problem("time.stop_energy", message, time.stop_energy)
+
+
 AS_ASKED: tuple[Callable[..., Problems], ...] = (
     *space_checks.AS_ASKED,
     supply_across_channel,
@@ -343,10 +358,12 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     collisions_within_clip,
     slip_of_pure_phases,
     *rheology_checks.CHECKS,
+    *pore_pressure_checks.CHECKS,
     *weakly_compressible_checks.CHECKS,
     operators_of_form,
     step_within_limits,
     density_relaxation_slow,
+    rest_after_supply,
     *probe_checks.CHECKS,
     memory_suffices,
 )

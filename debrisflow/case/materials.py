@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from debrisflow.case.fields import NONE, Table, quantity
 from debrisflow.case.rheology import FrictionalStrength, Rheology
 
@@ -34,6 +36,28 @@ class Mixture(Table):
         NONE, "volumetric sediment concentration of a mixture particle", 0.5, ge=0, lt=1
     )
     viscosity: float = quantity("Pa s", "dynamic viscosity of the mixture", 1.0e-3, ge=0)
+
+
+def pore_pressure_share() -> Any:
+    """Return the field of the share of what presses on a mass that its pore water bears."""
+    return quantity(
+        NONE,
+        "share that the water in the pores bears of what presses the mass on a wall and its grains "
+        "on each other; friction has the rest",
+        0.0,
+        ge=0,
+        le=1,
+    )
+
+
+def pore_pressure_decay() -> Any:
+    """Return the field of the time in which that share decays."""
+    return quantity(
+        "s",
+        "time in which that share falls to 1/e, from t = 0 on; it does not fall if left out",
+        None,
+        gt=0,
+    )
 
 
 def pore_density(water: Water, rheology: Rheology) -> float:

@@ -59,6 +59,9 @@ class State:
         Sediment particles that the supply still has to bring to reach its concentration.
     next_id : int
         The number that the next new particle gets.
+    peak_energy : float, J
+        Greatest kinetic energy of the fluid since t = 0, in two dimensions J/m; kept where a case
+        has a stop rule.
     sums : dict of str to float64 array
         Running sum of each probe that has one, by the name of the probe.
     wall_force : (walls, 6) float64 array, N, N m
@@ -86,6 +89,7 @@ class State:
     supply_columns: int = 0
     supply_sediment: float = 0.0
     next_id: int = 0
+    peak_energy: float = 0.0
     sums: dict[str, Floats] = field(default_factory=dict)
     wall_force: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     patches: Patches = field(default_factory=no_patches)

@@ -153,6 +153,7 @@ class TestRoundTrip:
             "inflow.across",
             "inflow.hydrograph",
             "collision_stress.concentration",
+            "time.stop_energy",
         }
 
     @pytest.mark.parametrize("path", sorted(Path(__file__).parents[2].glob("cases/*.toml")))

@@ -27,7 +27,7 @@ def state():
     maxima.arrival_time[::4] = np.nan
     sediment = [rng.uniform(0.0, 9.0, 3) for _ in range(3)]
     sums = {"section": rng.uniform(-9.0, 9.0, (2, 3)), "wall": np.array([1 / 3, -0.0, 5e-324])}
-    counters = *counts, *sediment, 2**41, 13, 11, -1 / 3, 2**40
+    counters = *counts, *sediment, 2**41, 13, 11, -1 / 3, 2**40, 0.7
     return State(particles, maxima, 0.1 + 0.2, 7, 1e-3 / 3, *counters, sums)
 
 
