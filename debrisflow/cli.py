@@ -187,7 +187,7 @@ def resume(folder: Path, threads: int | None) -> None:
 
     summary = resume(folder, threads=threads)
     if summary is None:
-        click.echo(f"{folder} has run to the end of its time; nothing is changed")
+        click.echo(f"{folder} has come to its end; nothing is changed")
     else:
         _print_summary(summary, folder)
 

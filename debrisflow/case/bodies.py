@@ -16,6 +16,7 @@ from debrisflow.case.fields import (
     Vector,
     quantity,
 )
+from debrisflow.case.materials import pore_pressure_decay, pore_pressure_share
 from debrisflow.case.motion import Motion
 
 MESH_FILE = "closed surface of triangles: an STL, OBJ or PLY file, looked for beside the case"
@@ -32,6 +33,8 @@ class MeshFill(Table):
         NONE, "water; mixture (one kind of particle for sediment and water)"
     )
     velocity: Components = quantity("m/s", "initial velocity", (0.0, 0.0))
+    pore_pressure: float = pore_pressure_share()
+    pore_pressure_time: float | None = pore_pressure_decay()
 
 
 def _obstacle_name() -> Any:

@@ -14,6 +14,7 @@ from typing import Any
 from debrisflow.case import (
     motion_checks,
     obstacle_checks,
+    pore_pressure_checks,
     probe_checks,
     release_checks,
     rheology_checks,
@@ -34,7 +35,7 @@ from debrisflow.case.hydrograph import faults_of
 from debrisflow.case.materials import Mixture, Sediment, Water
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
-from debrisflow.case.releases import AnyRelease, HydrographRelease
+from debrisflow.case.releases import AnyRelease, Hydrograph, HydrographRelease
 from debrisflow.case.rheology import Rheology
 from debrisflow.case.shapes import Channel, Channel3D, ChannelShape, Geometry, is_three_dimensional
 from debrisflow.case.tables import (
@@ -346,6 +347,19 @@ def memory_suffices(
         yield Problem("particles.spacing", message, particles.spacing)
 
 
+def rest_after_supply(time: Time, inflow: Inflow | None) -> Problems:
+    """Check that a run that is to stop at rest has a supply that ends."""
+    if time.stop_energy is None or inflow is None:
+        return
+    graph = inflow.hydrograph
+    if not isinstance(graph, Hydrograph) or graph.discharge[-1] > 0.0:
+        message = (
+            "has no effect, since the supply never ends: let its hydrograph end with the "
+            "discharge 0, or leave it out"
+        )
+        yield Problem("time.stop_energy", message, time.stop_energy)
+
+
 AS_ASKED: tuple[Callable[..., Problems], ...] = (
     *space_checks.AS_ASKED,
     *terrain_checks.AS_ASKED,
@@ -366,10 +380,12 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     collisions_within_clip,
     slip_of_pure_phases,
     *rheology_checks.CHECKS,
+    *pore_pressure_checks.CHECKS,
     *weakly_compressible_checks.CHECKS,
     operators_of_form,
     step_within_limits,
     density_relaxation_slow,
+    rest_after_supply,
     *probe_checks.CHECKS,
     *terrain_checks.CHECKS,
     *release_checks.CHECKS,

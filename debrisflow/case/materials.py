@@ -54,7 +54,8 @@ def pore_pressure_decay() -> Any:
     """Return the field of the time in which that share decays."""
     return quantity(
         "s",
-        "time in which that share falls to 1/e, from t = 0 on; it does not fall if left out",
+        "time in which that share falls to 1/e, from t = 0 or the release on; it does not fall if "
+        "left out",
         None,
         gt=0,
     )

@@ -14,7 +14,13 @@ from pydantic import Discriminator, Field, Strict, Tag, model_validator
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
 from debrisflow.case.fields import NONE, Components, Interval, Table, Vector, quantity
 from debrisflow.case.friction import Friction
-from debrisflow.case.materials import Mixture, Sediment, Water
+from debrisflow.case.materials import (
+    Mixture,
+    Sediment,
+    Water,
+    pore_pressure_decay,
+    pore_pressure_share,
+)
 from debrisflow.case.probes import AnyProbe
 from debrisflow.case.releases import DISCHARGE, AnyRelease, Hydrograph, Zone
 from debrisflow.case.rheology import AnyRheology, NoStrength
@@ -82,6 +88,8 @@ class Block(Table):
         NONE, "share of sediment particles in a two-phase fill", 0.5, ge=0, le=1
     )
     velocity: Components = quantity("m/s", "initial velocity", (0.0, 0.0))
+    pore_pressure: float = pore_pressure_share()
+    pore_pressure_time: float | None = pore_pressure_decay()
 
 
 class Bed(Table):
@@ -94,6 +102,8 @@ class Bed(Table):
     sediment_share: float = quantity(
         NONE, "share of sediment particles in a two-phase fill", 0.5, ge=0, le=1
     )
+    pore_pressure: float = pore_pressure_share()
+    pore_pressure_time: float | None = pore_pressure_decay()
 
 
 AnyFill = Block | Bed | MeshFill
@@ -322,6 +332,14 @@ class Time(Table):
     )
     settling: float = quantity(
         "s", "time for which the fills settle, without inflow, before t = 0", 0.0, ge=0
+    )
+    stop_energy: float | None = quantity(
+        NONE,
+        "share of its greatest value so far at which the kinetic energy ends the run before its "
+        "end, once all supply is in and no obstacle moves; looked at with the history",
+        None,
+        gt=0,
+        lt=1,
     )
 
 

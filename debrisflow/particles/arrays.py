@@ -28,6 +28,8 @@ class OutputArray(NamedTuple):
         1, or 3 for a vector.
     magnitude : str
         Name of the length of a vector, by which it is colored.
+    optional : bool
+        Whether it is there only in runs whose particles have it.
     """
 
     name: str
@@ -37,6 +39,7 @@ class OutputArray(NamedTuple):
     label: str = ""
     components: int = 1
     magnitude: str = ""
+    optional: bool = False
 
     @property
     def color_key(self) -> str:
@@ -83,6 +86,13 @@ ARRAYS = (
         "0 liquid, 1 sediment, 2 mixture, 3 wall, 4 dummy wall, 5 inflow",
         "int8",
         "kind",
+    ),
+    OutputArray(
+        "pore_pressure",
+        "",
+        "share that pore water bears of what presses on the particle, where a fill has one",
+        "float32",
+        optional=True,
     ),
     OutputArray("on_free_surface", "", "1 on the free surface, else 0", "uint8"),
     OutputArray(

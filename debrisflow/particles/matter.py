@@ -36,6 +36,19 @@ def set_fraction(
     particles.density[rows] = bulk_density(fraction, case.water, case.sediment, case.rheology)
 
 
+def set_pore_pressure(
+    particles: Particles, rows: slice | NDArray[np.int64], share: float, time: float | None
+) -> None:
+    """Give rows the share of what presses on them that pore water bears, and its decay time, s."""
+    particles.pore_pressure[rows] = share
+    particles.pore_pressure_rate[rows] = 0.0 if time is None else 1.0 / time
+
+
+def has_pore_pressure(case: ResolvedCase) -> bool:
+    """Return whether any matter of a case has a pore pressure of its own."""
+    return any(part.pore_pressure > 0.0 for part in (*case.fill, *case.release))
+
+
 def concentrations(case: ResolvedCase) -> set[float]:
     """Return the sediment concentrations of what a case is filled with and supplied by."""
     found = {case.mixture.concentration if f.material == "mixture" else 0.0 for f in case.fill}

@@ -31,6 +31,8 @@ MATTER = (
     "granular_temperature",
     "relative_velocity",
     "owed_displacement",
+    "pore_pressure",
+    "pore_pressure_rate",
 )
 ROOM = 16  # arrays that have to grow get room for this part of their particles
 
@@ -67,6 +69,11 @@ class Particles:
     owed_displacement : (n, 3) float64 array, m
         What the particle's own path is ahead of its place, see :mod:`debrisflow.physics.slip`;
         without rows where the case has no drag.
+    pore_pressure : (n,) float64 array
+        lambda, the share that the water in the pores bears of what presses on a wall or between
+        grains; without rows where no matter of the case has one.
+    pore_pressure_rate : (n,) float64 array, 1/s
+        Rate at which it decays, 0 for never; without rows as ``pore_pressure``.
     grain_pressure : (n,) float64 array, Pa
         Effective pressure between grains in contact.
     collision_pressure : (n,) float64 array, Pa
@@ -96,6 +103,8 @@ class Particles:
     granular_temperature: Floats
     relative_velocity: Floats
     owed_displacement: Floats
+    pore_pressure: Floats
+    pore_pressure_rate: Floats
     grain_pressure: Floats
     collision_pressure: Floats
     compression: Floats
@@ -163,9 +172,11 @@ class Particles:
 
         The rows stand for places; what moves is the matter, so that neighbor lists stay valid.
         """
+        held = self.arrays()
         for name in MATTER:
-            value = getattr(self, name)
-            value[one], value[other] = value[other], value[one]
+            if name in held:
+                value = held[name]
+                value[one], value[other] = value[other], value[one]
 
     def insert(self, row: int, other: Particles) -> None:
         """Insert all rows of another record before a row; the caller keeps the group sizes."""
@@ -200,6 +211,8 @@ def blank(count: int) -> Particles:
             "sediment_fraction",
             "concentration",
             "granular_temperature",
+            "pore_pressure",
+            "pore_pressure_rate",
             "grain_pressure",
             "collision_pressure",
             "compression",

@@ -14,8 +14,14 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.resolved import ResolvedHydrographRelease
-from debrisflow.particles.matter import concentrations_of, reference_density, set_fraction
+from debrisflow.case.resolved import ResolvedHydrographRelease, ResolvedRelease
+from debrisflow.particles.matter import (
+    concentrations_of,
+    has_pore_pressure,
+    reference_density,
+    set_fraction,
+    set_pore_pressure,
+)
 from debrisflow.particles.record import Kind, Particles, blank
 from debrisflow.particles.state import State, count_phases
 from debrisflow.space.ground import MassRelease, ground_of
@@ -45,13 +51,14 @@ def release_due(state: State, case: ResolvedCase, time: float) -> None:
 
 def is_pending(case: ResolvedCase, time: float) -> bool:
     """Return whether anything is to be released after a time, s."""
-    for release in case.release:
-        end = release.start
-        if isinstance(release, ResolvedHydrographRelease):
-            end += release.hydrograph.time[-1]
-        if time < end:
-            return True
-    return False
+    return any(time < end_of(release) for release in case.release)
+
+
+def end_of(release: ResolvedRelease) -> float:
+    """Return the time at which all of a release has been released, s."""
+    if isinstance(release, ResolvedHydrographRelease):
+        return release.start + release.hydrograph.time[-1]
+    return release.start
 
 
 def _admit(group: Particles, state: State) -> None:
@@ -74,14 +81,17 @@ def mass_of(release: MassRelease, case: ResolvedCase) -> Particles:
     places = columns_of(release, case)
     group = blank(len(places.position))
     group.position[:] = places.position
-    _fill(group, concentrations_of(release, case.mixture)[0], case)
+    _fill(group, release, concentrations_of(release, case.mixture)[0], case)
     group.velocity[:, :2] = release.velocity
     group.compression[:] = _compression(group, places.above, case)
     return group
 
 
-def _fill(group: Particles, fraction: float, case: ResolvedCase) -> None:
+def _fill(group: Particles, release: ResolvedRelease, fraction: float, case: ResolvedCase) -> None:
     """Give new particles their matter."""
+    if has_pore_pressure(case):
+        time = release.pore_pressure_time
+        set_pore_pressure(group, slice(None), release.pore_pressure, time)
     set_fraction(group, slice(None), fraction, case)
     group.kind[:] = Kind.LIQUID if fraction == 0.0 else Kind.MIXTURE
 
@@ -126,7 +136,7 @@ def _born(
     group.velocity[:] = release.velocity * along
     top = place[:, 2].max(initial=-np.inf)
     concentration = float(np.interp(now, graph.time, graph.concentration))
-    _fill(group, concentration, case)
+    _fill(group, release, concentration, case)
     group.compression[:] = _compression(group, top - place[:, 2], case)
     free = _is_free(place, state.particles, NEAREST * d0)
     return _chosen(group, free)

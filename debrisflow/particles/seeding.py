@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, tables
-from debrisflow.particles.matter import set_material
+from debrisflow.particles.matter import has_pore_pressure, set_material, set_pore_pressure
 from debrisflow.particles.record import Kind, Particles, blank
 from debrisflow.particles.supply import first_columns
 from debrisflow.space.carving import filled
@@ -35,10 +35,12 @@ def seed(case: ResolvedCase) -> Particles:
     groups += columns
     particles = blank(0) if case.has_surfaces else wall_particles(case)
     wall_count = int(np.count_nonzero(particles.kind == Kind.WALL))
-    if case.drag.law == "none":
-        particles.relative_velocity = particles.owed_displacement = np.zeros((0, 3))
     for group in reversed(groups):
         particles.insert(0, group)
+    if case.drag.law == "none":
+        particles.relative_velocity = particles.owed_displacement = np.zeros((0, 3))
+    if not has_pore_pressure(case):
+        particles.pore_pressure = particles.pore_pressure_rate = np.zeros(0)
     particles.id = np.arange(particles.count)
     particles.fluid_count = fluid_count
     particles.inflow_count = inflow_count
@@ -65,6 +67,7 @@ def _filled(
     else:
         kind = {"water": Kind.LIQUID, "sediment": Kind.SEDIMENT, "mixture": Kind.MIXTURE}
         set_material(particles, slice(None), kind[block.material], case)
+    set_pore_pressure(particles, slice(None), block.pore_pressure, block.pore_pressure_time)
     if not isinstance(block, tables.Bed):
         particles.velocity[:, : len(block.velocity)] = block.velocity
     return particles

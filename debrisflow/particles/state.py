@@ -57,6 +57,9 @@ class State:
         Particles that each release of a terrain has brought so far.
     next_id : int
         The number that the next new particle gets.
+    peak_energy : float, J
+        Greatest kinetic energy of the fluid since t = 0, in two dimensions J/m; kept where a case
+        has a stop rule.
     sums : dict of str to float64 array
         Running sum of each probe that has one, by the name of the probe.
     wall_force : (walls, 6) float64 array, N, N m
@@ -85,6 +88,7 @@ class State:
     supply_sediment: float = 0.0
     released: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     next_id: int = 0
+    peak_energy: float = 0.0
     layers: Layers = field(default_factory=no_layers)
     sums: dict[str, Floats] = field(default_factory=dict)
     wall_force: Floats = field(default_factory=lambda: np.zeros((0, 6)))

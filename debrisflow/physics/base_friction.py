@@ -2,10 +2,11 @@
 
 The stress tau on a wall slows the particles nearer to it than a spacing, along the wall, as a
 volume force.  Sliding friction, ``tau = tan(delta) R``, is a share of what presses particle i to
-the wall, its own reaction R; the reactions of a column add up to its weight, whatever the order of
-its rows.  A drag, ``tau = rho c |u| u``, is that of the particle's own velocity and height in the
-law of the wall, and that of the mean velocity and the depth of its column in the laws of Manning
-and Voellmy, shared among the particles of the column that are next to the wall.
+the wall, its own reaction R less what the water in its pores bears; the reactions of a column add
+up to its weight, whatever the order of its rows.  A drag, ``tau = rho c |u| u``, is that of the
+particle's own velocity and height in the law of the wall, and that of the mean velocity and the
+depth of its column in the laws of Manning and Voellmy, shared among the particles of the column
+that are next to the wall.
 
     a_i = -[tan(delta) R_i / rho + b |u_i|^2] u_i / |u_i|
 

@@ -130,12 +130,14 @@ def bounce_off_walls(reach, restitution, solid, velocity):
 
 
 @kernel
-def held_off_at(i, u, v, w, reach, sliding, solid):
+def held_off_at(i, u, v, w, reach, sliding, effective, solid):
     """Return a velocity of particle i, m/s, without what leads into faces nearer than ``reach``, m.
 
     What a face takes presses on it, and slows the particle along it by the coefficient of friction
-    of its wall, ``sliding``, (walls,) array.
+    of its wall, ``sliding``, (walls,) array, times the share that grains bear, ``effective``, (n,)
+    array or None for all of it.
     """
+    share = 1.0 if effective is None else effective[i]
     for f in range(face_count(i, solid)):
         distance, nx, ny, nz, number = face_at(i, f, solid)
         du, dv, dw = velocity_beside(u, v, w, i, f, solid)
@@ -145,21 +147,21 @@ def held_off_at(i, u, v, w, reach, sliding, solid):
         u, v, w = u + approach * nx, v + approach * ny, w + approach * nz
         du, dv, dw = velocity_beside(u, v, w, i, f, solid)
         speed = np.sqrt(du * du + dv * dv + dw * dw)
-        lost = min(sliding[number] * approach / max(speed, 1e-300), 1.0)
+        lost = min(share * sliding[number] * approach / max(speed, 1e-300), 1.0)
         u, v, w = u - lost * du, v - lost * dv, w - lost * dw
     return u, v, w
 
 
 @kernel
-def _hold_off_walls(first, last, reach, sliding, solid, velocity):
+def _hold_off_walls(first, last, reach, sliding, effective, solid, velocity):
     for i in range(first, last):
         u, v, w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-        u, v, w = held_off_at(i, u, v, w, reach, sliding, solid)
+        u, v, w = held_off_at(i, u, v, w, reach, sliding, effective, solid)
         velocity[i, 0], velocity[i, 1], velocity[i, 2] = u, v, w
 
 
 @loop
-def hold_off_walls(reach, sliding, solid, velocity):
+def hold_off_walls(reach, sliding, effective, solid, velocity):
     """Take from the velocity of all fluid particles what leads into walls that they touch.
 
     After the exchange of momentum, whose other forces know no contact: without it deposits sink
@@ -168,4 +170,4 @@ def hold_off_walls(reach, sliding, solid, velocity):
     n = velocity.shape[0]
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(block * BLOCK + BLOCK, n)
-        _hold_off_walls(first, last, reach, sliding, solid, velocity)
+        _hold_off_walls(first, last, reach, sliding, effective, solid, velocity)

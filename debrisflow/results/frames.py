@@ -83,7 +83,7 @@ def read_frame(time: float, file: Path) -> Frame:
     """
     mesh = read_mesh(file)
     try:
-        needed = [array.name for array in ARRAYS]
+        needed = [array.name for array in ARRAYS if not array.optional]
         others = [name for name in mesh.point_data if name not in needed]
         arrays = {name: np.asarray(mesh.point_data[name]) for name in (*needed, *others)}
         return Frame(time, np.asarray(mesh.points), arrays)

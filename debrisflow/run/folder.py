@@ -342,8 +342,7 @@ def _clear(path: Path, overwrite: bool) -> None:
     for file in results:
         file.unlink()
     folders = {file.parent for file in results} | {
-        path / name
-        for name in (FOLDER, MOVING, LAYERS, PROBES, POSTPROCESS, PICTURES, MAPS)
+        path / name for name in (FOLDER, MOVING, LAYERS, PROBES, POSTPROCESS, PICTURES, MAPS)
     }
     for folder in sorted(folders - {path}, reverse=True):  # those inside others first
         if folder.is_dir() and not any(folder.iterdir()):

@@ -30,6 +30,7 @@ from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
 from debrisflow.run.schedule import Schedule
+from debrisflow.run.stop import StopRule
 from debrisflow.run.summary import summary
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.clock import Clock
@@ -41,7 +42,7 @@ MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
 INTERRUPTED = "interrupted"
-ENDED, EMPTY = "end of the simulated time", "no fluid is left"
+ENDED, EMPTY, AT_REST = "end of the simulated time", "no fluid is left", "at rest"
 
 
 def simulate(
@@ -84,12 +85,10 @@ def resume(folder: Path, threads: int | None = None) -> dict[str, Any] | None:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`.
 
     A run that has come to its end is left as it is, and None is returned.  With a later
-    ``time.end`` in the case of the folder it goes on.
+    ``time.end``, or a lower or no ``time.stop_energy``, in the case of the folder it goes on.
     """
     case = load_case(folder / CASE)
-    before = read_summary(folder)
-    has_ended = before.get("end_reason") == ENDED and before["time"] >= case.time.end
-    if has_ended or before.get("end_reason") == EMPTY:
+    if _has_ended(case, read_summary(folder)):
         return None
     clock = Clock()
     with clock.of(START_UP):
@@ -107,6 +106,14 @@ def resume(folder: Path, threads: int | None = None) -> dict[str, Any] | None:
             LOG.info("resumed at t = %g s, step %d", state.time, state.step)
             run = _Run(case, results, state, probes, shown, threads)
         return run.finish()
+
+
+def _has_ended(case: ResolvedCase, before: dict[str, Any]) -> bool:
+    """Return whether a run with a summary has come to the end that its case has now."""
+    reason = before.get("end_reason")
+    if reason == AT_REST:
+        return case.time.stop_energy is not None and before["energy_share"] < case.time.stop_energy
+    return reason == EMPTY or (reason == ENDED and before["time"] >= case.time.end)
 
 
 def use_threads(state: State, given: int | None) -> int:
@@ -129,7 +136,7 @@ class _Run:
     ) -> None:
         self.case, self.results, self.state = case, results, state
         self.probes, self.progress = probes, progress
-        self.clock = progress.clock
+        self.clock, self.rule = progress.clock, StopRule(case)
         self.scheme = scheme_of(case)
         self.scheme.seconds = self.clock  # one clock for the steps and what is around them
         self._given_threads, self.threads = threads, 0
@@ -143,8 +150,7 @@ class _Run:
             self.depths = Schedule(output.layer_interval, 0.0, end)
         self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
         self.recorder = recorder_of(case)
-        self._checkpoint_is_due = False
-        self._asked_to_stop = False
+        self._checkpoint_is_due = self._asked_to_stop = self._is_at_rest = False
         LOG.info(
             "%s: %d fluid of %d particles, threads by %s",
             case.title,
@@ -205,6 +211,9 @@ class _Run:
             self.write(iterations)
             self.sample(before)
             self.progress.count(state)
+            if self._is_at_rest:
+                self._write_last()
+                return AT_REST
         return ENDED
 
     def _record(self, dt: float) -> None:
@@ -276,6 +285,15 @@ class _Run:
                 self.results.write_frame(self.state)
                 self._checkpoint_is_due = True
 
+    def _write_last(self) -> None:
+        """Write deposit and frame of a run that ends before its time, unless they are there."""
+        time = self.state.time
+        with self.clock.of(WRITING):
+            if not self.deposits.is_due(time):
+                self._write_deposit()
+            if not self.frames.is_due(time):
+                self.results.write_frame(self.state)
+
     def _write_history(self, iterations: int) -> None:
         state, lattice, d0 = self.state, self.scheme.lattice, self.case.particles.spacing
         reached = None
@@ -286,7 +304,9 @@ class _Run:
             if state.time >= 0.0:
                 state.maxima.include(state.time, *found, spacing=d0)
             reached = state.maxima.reached(found.depth, d0)
-        self.results.write_history(history_row(self.case, state, iterations, lattice, reached))
+        row = history_row(self.case, state, iterations, lattice, reached)
+        self.results.write_history(row)
+        self._is_at_rest = self.rule.is_met(state, row["kinetic_energy"])
         self._set_threads()
 
     def _write_deposit(self) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from debrisflow._jit import THREADING_LAYER
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import PHASES, State
-from debrisflow.run.measures import particle_volume
+from debrisflow.run.measures import energies, particle_volume
 from debrisflow.run.progress import COMPILING, Progress
 
 
@@ -63,10 +63,21 @@ def summary(
         "sediment_volume": {
             way: float(sediment.sum()) * volume for way, (_, sediment) in ways.items()
         },
+        **_energy(case, state),
         **_guard(case, state),
         "versions": {"python": platform.python_version()}
         | {name: version(name) for name in ("debrisflow", "numpy", "numba", "scipy")},
     }
+
+
+def _energy(case: ResolvedCase, state: State) -> dict[str, float]:
+    """Return which share of its greatest value the kinetic energy has, where a rule asks for it."""
+    if case.time.stop_energy is None:
+        return {}
+    p, fluid = state.particles, state.particles.fluid
+    motion = p.position[fluid], p.velocity[fluid]
+    kinetic = energies(case, *motion, p.density[fluid], p.kind[fluid]).kinetic
+    return {"energy_share": kinetic / state.peak_energy if state.peak_energy > 0.0 else 0.0}
 
 
 def _guard(case: ResolvedCase, state: State) -> dict[str, float]:

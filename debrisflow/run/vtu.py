@@ -36,7 +36,9 @@ def write_particles(path: Path, particles: Particles, rows: slice = slice(None))
     """
     position = particles.position[rows]
     data = {
-        array.name: getattr(particles, array.name)[rows].astype(array.storage) for array in ARRAYS
+        array.name: getattr(particles, array.name)[rows].astype(array.storage)
+        for array in ARRAYS
+        if not array.optional or len(getattr(particles, array.name))
     }
     vertices = np.arange(len(position))[:, None]
     mesh = meshio.Mesh(position, [("vertex", vertices)], point_data=data)

@@ -10,7 +10,7 @@ from debrisflow.case.rheology import FrictionalStrength, NoStrength
 from debrisflow.neighbors.boundary import find_inside
 from debrisflow.neighbors.height_field import HeightField
 from debrisflow.particles.inflow_outflow import remove_beyond_data, remove_lost
-from debrisflow.particles.matter import concentrations
+from debrisflow.particles.matter import concentrations, has_pore_pressure
 from debrisflow.particles.state import State
 from debrisflow.schemes.records import numbers_of
 from debrisflow.schemes.scheme import Scheme
@@ -25,6 +25,7 @@ from debrisflow.schemes.terms.forces import Forces
 from debrisflow.schemes.terms.grain_pressure import GrainPressure, SharedPressure
 from debrisflow.schemes.terms.momentum_exchange import MomentumExchange
 from debrisflow.schemes.terms.motion import Motion
+from debrisflow.schemes.terms.pore_pressure import PorePressure
 from debrisflow.schemes.terms.shear import Shear
 from debrisflow.schemes.terms.term import Step, Term
 from debrisflow.schemes.terms.viscosity import MixtureViscosity
@@ -111,6 +112,7 @@ class Explicit(Scheme):
             frictions if has_friction else None,
             wall_forces,
             self._motion,
+            PorePressure() if has_pore_pressure(case) else None,
         )
         return tuple(term for term in terms if term is not None)
 

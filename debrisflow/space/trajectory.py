@@ -94,6 +94,11 @@ class Trajectory:
         }
         return moved | ({0, self._up} if "angle" in self._columns else set())
 
+    @property
+    def end(self) -> float:
+        """The time from which on the body stands still, or has left the space, s."""
+        return self._last if self._motion.time is None else self._motion.time[-1]
+
     def pose(self, time: float) -> Pose:
         """Return where the body is at a time, s."""
         displacement, turn, axis = np.zeros(3), np.eye(3), np.zeros(3)

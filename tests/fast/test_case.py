@@ -154,6 +154,7 @@ class TestRoundTrip:
             "inflow.hydrograph",
             "collision_stress.concentration",
             "output.layer_interval",
+            "time.stop_energy",
         }
 
     @pytest.mark.parametrize("path", sorted(Path(__file__).parents[2].glob("cases/*.toml")))

@@ -327,6 +327,7 @@ class TestFiles:
     ) -> None:
         for name in ("rasterio", "rasterio.crs", "pyogrio"):
             monkeypatch.setitem(sys.modules, name, None)
+        (tmp_path / "dem.tif").touch()
         install = 'which is not installed: pip install "debrisflow[terrain]"'
         assert self.refused(build, geometry={"dem": "dem.tif"}).endswith(install)
         release = {"type": "polygon", "file": "dem.asc", "depth": 1.0}

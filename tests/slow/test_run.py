@@ -119,7 +119,7 @@ def test_a_run_that_has_come_to_its_end_is_not_changed_by_resuming_it(tmp_path):
     before = {file: file.read_bytes() for file in run.rglob("*") if file.is_file()}
     result = CliRunner().invoke(main, ["resume", str(run)])
     assert result.exit_code == 0, result.output
-    assert "has run to the end of its time" in result.output
+    assert "has come to its end" in result.output
     assert {file: file.read_bytes() for file in run.rglob("*") if file.is_file()} == before
     case = run / "case.toml"
     case.write_text(case.read_text().replace("end = 0.02", "end = 0.03"))

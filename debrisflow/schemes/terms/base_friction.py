@@ -24,6 +24,7 @@ from debrisflow.physics.base_friction import (
     slow_along_walls,
     survey_columns,
 )
+from debrisflow.schemes.terms.pore_pressure import borne_by_grains
 from debrisflow.schemes.terms.term import Scene, Step, Term
 from debrisflow.space.domain import WALL_NAMES, domain, first_zone, wall_names
 from debrisflow.space.floor import roughness_of
@@ -59,7 +60,7 @@ class BaseFrictions(Term):
             before = velocity.copy()
             slow_along_walls(
                 step.dt,
-                step.reaction,
+                _effective(step),
                 self.friction,
                 self._columns(step, velocity),
                 scene.near.spacing,
@@ -80,7 +81,7 @@ class BaseFrictions(Term):
         hold_along_walls(
             step.dt,
             fluid,
-            step.reaction,
+            _effective(step),
             self.friction,
             self._columns(step, fluid),
             scene.near.spacing,
@@ -108,6 +109,12 @@ class BaseFrictions(Term):
             columns,
         )
         return columns
+
+
+def _effective(step: Step) -> Floats:
+    """Return what walls do to the fluid particles less what their pore water bears, m/s2."""
+    share = borne_by_grains(step.particles)
+    return step.reaction if share is None else step.reaction * share[:, None]
 
 
 def _next_to_wall(scene: Scene, count: int, friction: BaseFriction) -> NDArray[np.bool_]:

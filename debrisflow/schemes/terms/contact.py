@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.physics.contact import bounce_off_walls, collide, hold_off_walls
+from debrisflow.schemes.terms.pore_pressure import borne_by_grains
 from debrisflow.schemes.terms.term import Step, Term
 
 CONTACT = 0.3
@@ -87,5 +88,7 @@ class WallContact(Term):
         """Take what leads into walls from the velocities of the fluid particles."""
         p = step.particles
         before = step.velocity[p.fluid].copy()
-        hold_off_walls(self._reach, self._sliding, step.scene.solid, step.velocity[p.fluid])
+        hold_off_walls(
+            self._reach, self._sliding, borne_by_grains(p), step.scene.solid, step.velocity[p.fluid]
+        )
         step.reaction += (step.velocity[p.fluid] - before) / step.dt

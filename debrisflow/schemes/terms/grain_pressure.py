@@ -10,6 +10,7 @@ from debrisflow.case.materials import pore_density
 from debrisflow.case.rheology import FrictionalStrength
 from debrisflow.physics.grain_pressure import carried_depths, couple_grains
 from debrisflow.schemes.pair_solver import couplings_of, solve_pairs
+from debrisflow.schemes.terms.pore_pressure import borne_by_grains
 from debrisflow.schemes.terms.term import Scene, Step, Term
 
 Floats = NDArray[np.float64]
@@ -54,6 +55,18 @@ class GrainPressure(Term):
         solution = pressure[:, None].copy()
         solve_pairs("the balance of the grains", system, scene.near, right, goal, solution)
         np.maximum(solution[:, 0], 0.0, out=p.grain_pressure[rows])
+        self._relieve(step)
+
+    def _relieve(self, step: Step) -> None:
+        """Leave to the grains no more than what their pore water does not bear.
+
+        Of the pressure, or of the weight of half a row where that is more.
+        """
+        p, share = step.particles, borne_by_grains(step.particles, step.particles.moving)
+        if share is not None:
+            held = p.grain_pressure[: share.size]
+            least = 0.5 * step.scene.near.spacing * self._g * p.density[: share.size]
+            np.minimum(held, share * np.maximum(step.pressure[: share.size], least), out=held)
 
 
 class SharedPressure(GrainPressure):
@@ -69,6 +82,7 @@ class SharedPressure(GrainPressure):
         share = weight / (p.density[rows] * (self._g or 1.0))
         least = 0.5 * scene.near.spacing * weight
         np.maximum(share * step.pressure, least, out=p.grain_pressure[rows])
+        self._relieve(step)
 
 
 def grain_weight(scene: Scene, case: ResolvedCase, g: float) -> Floats:

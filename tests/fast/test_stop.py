@@ -1,0 +1,105 @@
+"""The end of a run at rest: what counts as rest, what is written, what resuming it does."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from debrisflow.case import Case
+from debrisflow.case.defaults import complete
+from debrisflow.particles.start import initial_state
+from debrisflow.results import open_run
+from debrisflow.run import loop
+from debrisflow.run.stop import StopRule, last_schedule
+from tests.building import tank_case
+from tests.fast.test_pore_pressure import slab
+from tests.recording import channel3d_case
+
+
+def pushed(**time):
+    """Return a case: a slab that friction stops in 0.2 s."""
+    case = slab({"velocity": (1.0, 0.0, 0.0)}, {"angle": 45.0})
+    plain = case.model_dump() | {"gravity": {"slope": 0.0}, "time": {"end": 1.0} | time}
+    return complete(
+        Case.model_validate(plain | {"output": {"interval": 0.5, "history_interval": 0.01}})
+    )
+
+
+def test_a_share_of_the_greatest_energy_so_far_is_rest():
+    case = tank_case(6, 6, "water", time={"end": 1.0, "stop_energy": 0.01})
+    state, rule = initial_state(case), StopRule(case)
+    state.time = -0.1
+    assert not rule.is_met(state, 50.0)  # while the fills settle
+    state.time = 0.0
+    assert not rule.is_met(state, 0.0)  # before anything has moved
+    for energy, rests in ((1.0, False), (3.0, False), (0.031, False), (0.029, True)):
+        assert rule.is_met(state, energy) == rests
+    assert state.peak_energy == 3.0
+
+
+def test_without_the_rule_nothing_is_kept():
+    case = tank_case(6, 6, "water")
+    state, rule = initial_state(case), StopRule(case)
+    assert not rule.is_met(state, 3.0)
+    assert state.peak_energy == 0.0
+
+
+def test_rest_is_not_before_supply_and_motions_have_ended():
+    case = channel3d_case(time={"end": 9.0, "stop_energy": 0.01})
+    assert last_schedule(case) == 0.0
+    graph = {"time": [0.0, 3.0, 5.0], "discharge": [0.1, 0.1, 0.0], "concentration": [0.3] * 3}
+    supplied = channel3d_case(inflow={"depth": 0.2, "hydrograph": graph})
+    assert last_schedule(supplied) == 5.0
+    assert last_schedule(channel3d_case(inflow={"depth": 0.2, "discharge": 0.1})) == np.inf
+    gate = {"type": "box", "name": "gate", "x": (1.0, 1.1), "y": (0.0, 0.4), "z": (0.0, 1.0)}
+    table = gate | {"motion": {"time": [0.0, 2.0], "z": [0.0, 1.5]}}
+    assert last_schedule(channel3d_case(obstacle=[table])) == 2.0
+    drawn = channel3d_case(
+        obstacle=[gate | {"motion": {"velocity": (0.0, 0.0, 3.0), "start": 1.0}}]
+    )
+    assert 1.4 < last_schedule(drawn) < 1.8  # 1.5 m at 3 m/s, and what is drawn of the wall
+    state, rule = initial_state(case), StopRule(supplied)
+    rule._share, state.time, state.peak_energy = 0.01, 4.9, 1.0
+    assert not rule.is_met(state, 0.0)
+
+
+@pytest.fixture(scope="module")
+def rested(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("rest") / "run"
+    return folder, loop.simulate(pushed(stop_energy=0.05), folder)
+
+
+def test_a_run_ends_at_rest_and_says_so(rested):
+    folder, figures = rested
+    assert figures["end_reason"] == "at rest"
+    assert 0.05 < figures["time"] < 0.5
+    assert 0.0 <= figures["energy_share"] < 0.05
+    run = open_run(folder)
+    energy = np.asarray(run.history["kinetic_energy"])
+    assert energy[-1] < 0.05 * energy.max() <= energy[-2]
+    assert [frame.time for frame in run.frames()] == [
+        0.0,
+        figures["time"],
+    ]  # the deposit is on record
+
+
+def test_resuming_it_changes_nothing_while_the_rule_is_the_same(rested):
+    folder, _ = rested
+    before = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+    assert loop.resume(folder) is None
+    assert {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()} == before
+
+
+def test_with_a_lower_share_it_goes_on(rested, tmp_path):
+    figures, folder = rested[1], tmp_path / "copy"
+    shutil.copytree(rested[0], folder)
+    case = folder / "case.toml"
+    case.write_text(case.read_text().replace("stop_energy = 0.05", "stop_energy = 1e-9"))
+    longer = loop.resume(folder)
+    assert longer["time"] > figures["time"]
+    assert json.loads((folder / "summary.json").read_text())["energy_share"] < 0.05
+    whole = loop.simulate(pushed(stop_energy=1e-9), tmp_path / "whole")
+    assert longer["time"] == whole["time"]
+    histories = [run / "history.csv" for run in (folder, tmp_path / "whole")]
+    assert histories[0].read_bytes() == histories[1].read_bytes()
