@@ -49,6 +49,9 @@ from debrisflow.errors import CaseError
 
 RELAXATION_STEPS = 50
 GRAINS_COLLIDE = 0.8  # spacings; without it the surface of a heap of grains is rough
+SPREAD = 2.0  # spacings of the square of a map over which a particle is spread, at least
+LEAST_LAYER_DEPTH = 0.05  # m
+MORE_THAN_ONE = 1.1  # depths of a lone particle; one alone marks no cell as reached
 LARGEST_DIFFUSION = 0.3
 LARGEST_PATH = 0.2  # spacings that a particle moves in a step of the explicit scheme
 VISCOUS_LIMIT = 0.2  # of an explicit step, in d0^2 / nu
@@ -112,7 +115,7 @@ def complete(case: Case) -> ResolvedCase:
         "inflow": _inflow(case.inflow, case.geometry),
         "scheme": scheme,
         "time": resolved(ResolvedTime, case.time, largest_step=step),
-        "output": _output(case.output),
+        "output": _output(case.output, case.geometry, case.particles),
         "probe": tuple(probe.complete(case.particles.spacing) for probe in case.probe),
     }
     if isinstance(case.geometry, ResolvedTerrain):
@@ -236,12 +239,17 @@ def _inflow(inflow: Inflow | None, geometry: Geometry) -> ResolvedInflow | None:
     return resolved(SteadyInflow, inflow, across=across, hydrograph=None, **flow)
 
 
-def _output(output: Output) -> ResolvedOutput:
+def _output(output: Output, geometry: Geometry, particles: Particles) -> ResolvedOutput:
+    lone = 0.0
+    if isinstance(geometry, ResolvedTerrain):
+        side = max(SPREAD * particles.spacing, geometry.levels.grid.cell)
+        lone = particles.spacing**3 / side**2
     return resolved(
         ResolvedOutput,
         output,
         deposit_interval=output.interval,
         history_interval=output.interval / 10,
+        layer_depth=max(LEAST_LAYER_DEPTH, MORE_THAN_ONE * lone),
     )
 
 

@@ -134,6 +134,7 @@ class ResolvedOutput(Output):
 
     deposit_interval: float = _known(Output, "deposit_interval")
     history_interval: float = _known(Output, "history_interval")
+    layer_depth: float = _known(Output, "layer_depth")
 
 
 ResolvedChannelShape = ResolvedChannel | ResolvedChannel3D

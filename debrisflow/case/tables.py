@@ -358,8 +358,12 @@ class Output(Table):
         gt=0,
     )
     rest_speed: float = quantity("m/s", "speed below which a deposit is at rest", 0.05, gt=0)
-    layer_depth: float = quantity(
-        "m", "depth from which the flow counts in the layers of a map, on terrain", 0.05, gt=0
+    layer_depth: float | None = quantity(
+        "m",
+        "depth from which the flow counts in the layers of a map, on terrain; 0.05 m, or a tenth "
+        "more than the depth of a single particle, if that is greater, if left out",
+        None,
+        gt=0,
     )
     layer_interval: float | None = quantity(
         "s",

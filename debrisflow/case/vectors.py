@@ -22,6 +22,7 @@ from debrisflow.case.reference_systems import fault_of_system, wkt_of
 
 GEOJSON = (".geojson", ".json")
 INSTALL = 'is read by pyogrio, which is not installed: pip install "debrisflow[terrain]"'
+NO_DATE = "2000-01-01T00:00:00.000Z"  # the same bytes whenever a file is written
 WANTED = {"Polygon": "polygons", "LineString": "lines"}
 
 
@@ -282,6 +283,7 @@ def _write_by_gdal(
         for shape in polygons
     ]
     path.unlink(missing_ok=True)
+    pyogrio.set_gdal_config_options({"OGR_CURRENT_DATE": NO_DATE})
     with warnings.catch_warnings():  # of a map whose system is not told
         warnings.filterwarnings("ignore", message="'crs' was not provided")
         pyogrio.raw.write(

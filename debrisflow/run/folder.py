@@ -219,9 +219,8 @@ class RunFolder:
             "terrain": ground.given + self.case.terrain.origin[2],
             "release": released_depth(self.case),
         }
-        threshold = self.case.output.layer_depth
         for name in ("deposit", "final_depth", "release"):
-            others[name] = np.where(others[name] > threshold, others[name], np.nan)
+            others[name] = np.where(others[name] > 0.0, others[name], np.nan)
         write_layers(
             self.path / LAYERS, ground.grid, state.layers, others, self._origin(state.time)
         )

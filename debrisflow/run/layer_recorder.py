@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from debrisflow._jit import threads
 from debrisflow.case import ResolvedCase
+from debrisflow.case.defaults import SPREAD
 from debrisflow.case.rasters import MapGrid
 from debrisflow.particles.layers import Layers
 from debrisflow.particles.record import Particles
@@ -17,7 +18,6 @@ from debrisflow.run.measures import DepositProfile
 from debrisflow.space.ground import ground_of
 
 Floats = NDArray[np.float64]
-WIDTH = 2.0  # spacings of the square over which a particle is spread, if a cell is not wider
 
 
 class LayerRecorder:
@@ -35,7 +35,7 @@ class LayerRecorder:
 
     def __init__(self, grid: MapGrid, spacing: float, threshold: float) -> None:
         self.grid, self.threshold = grid, threshold
-        self.half = 0.5 * max(WIDTH * spacing / grid.cell, 1.0)
+        self.half = 0.5 * max(SPREAD * spacing / grid.cell, 1.0)
         self.height = spacing**3 / grid.cell**2
         self._sums = np.zeros((grid.columns, grid.rows, map_cells.SUMS))  # between steps too
 
