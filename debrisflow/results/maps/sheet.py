@@ -192,7 +192,7 @@ def value_lines(grid: MapGrid, values: Floats, value: float) -> list[Floats]:
     --------
     >>> values = np.array([[0.0, 2.0], [0.0, 2.0]])
     >>> [line.tolist() for line in value_lines(MapGrid(0.0, 0.0, 1.0, 2, 2), values, 1.0)]
-    [[[1.0, 1.5], [1.0, 0.5]]]
+    [[[1.0, 0.5], [1.0, 1.5]]]
     """
     if min(values.shape) < 2:
         return []
