@@ -318,9 +318,14 @@ def report(
     from debrisflow.results.references import read_reference
     from debrisflow.results.report import report
     from debrisflow.results.survey import survey
+    from debrisflow.results.terrain_report import terrain_report
 
+    run = open_run(folder)
+    if run.case.is_terrain:
+        _print_files([terrain_report(run, language)])
+        return
     given = [read_reference(path) for path in references]
-    found = survey(open_run(folder), stations, window, smoothing=smooth)
+    found = survey(run, stations, window, smoothing=smooth)
     _print_files([report(found, given, language)])
 
 

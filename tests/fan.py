@@ -100,6 +100,13 @@ def write_layers(folder: Path, grid=GRID):
         write_raster(folder / f"{name}.asc", Raster(grid, values))
 
 
+def write_ledger(folder: Path):
+    """Write where the particles are, at the start and at the end."""
+    head = "time,released,moving,at_rest,left,through_ground,volume_released"
+    rows = ["0,1000,0,1000,0,0,2000", "90,1000,100,880,20,0,2000"]
+    (folder / "ledger.csv").write_text("\n".join([head, *rows]) + "\n")
+
+
 def write_classes(folder: Path, table="japan"):
     """Write the map of hazard classes of a run folder."""
     write_hazard(folder, hazard_map(folder, read_classes(table)))

@@ -162,9 +162,15 @@ def survey(
     Raises
     ------
     OutputError
-        If there are no frames, or one is missing or damaged; if a station is outside the domain,
+        If the run is on a terrain; if there are no frames, or one is missing or damaged; if a
+        station is outside the domain,
         or no frame within the window or at a time.
     """
+    if run.case.is_terrain:
+        raise OutputError(
+            f"{run.folder} is a run on a terrain, which has no stations along x; its layers are "
+            "drawn by debrisflow maps, and are in debrisflow report"
+        )
     case, at = run.case, run.times
     if window is None:
         window = (float(at[-1] - WINDOW_SHARE * (at[-1] - at[0])), float(at[-1]))

@@ -24,10 +24,18 @@ from debrisflow.results.maps.places import places
 from debrisflow.results.maps.sheet import OPAQUE, Ground, Text, draw_map, styled
 from debrisflow.results.maps.structures import structures
 from debrisflow.results.maps.web import packed, page_words, web_map
+from debrisflow.results.terrain_report import (
+    GREATEST,
+    PARTS,
+    class_areas,
+    flow_figures,
+    runout,
+    volumes,
+)
 from debrisflow.results.words import Words, _table
 from debrisflow.run.folder import RunFolder
 from tests.building import tank3d_case
-from tests.fan import GRID, TIMES, write_classes, write_frames, write_layers
+from tests.fan import GRID, TIMES, write_classes, write_frames, write_layers, write_ledger
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +164,8 @@ class TestLanguage:
         for path in shipped().values():
             table = read_classes(path.stem)
             told |= {table.title, *(one.name for one in table.classes)}
-        for name in ("report.html", "map.html"):
+        told |= {word for word, _ in GREATEST.values()} | set(PARTS.values())
+        for name in ("page.html", "report.html", "terrain.html", "map.html"):
             text = files("debrisflow.results").joinpath("templates", name).read_text()
             told |= set(re.findall(r"""words\(["']([^"']+)["'][,)]""", text))
         assert len(told) > 60
@@ -183,6 +192,23 @@ class TestLanguage:
         written, messages = draw_maps(run, Words("ja"), ("deposit",), 60)
         assert written[0].is_file()
         assert not messages
+
+
+def test_the_report_of_a_run_on_a_terrain_says_where_the_volume_is(run):
+    write_ledger(run.folder)
+    found = {row.quantity: row.value for row in volumes(run) + flow_figures(run) + runout(run)}
+    assert found["released"] == 2000.0
+    assert found["moving at the end"] == 200.0
+    assert found["left over an edge of the terrain"] == 40.0
+    depth = np.loadtxt(run.folder / "layers" / "peak_depth.asc", skiprows=6)
+    assert found["affected area"] == 25.0 * np.sum(depth >= 0.05)
+    assert found["greatest flow depth"] == pytest.approx(depth.max())
+    # from the top of the release, at 310 m over the apex, to the toe of the fan
+    assert 450.0 < found["travel distance"] < 560.0
+    assert 0.2 < found["equivalent friction"] < 0.4
+    (worst, *_) = class_areas(run, "class_japan").areas
+    assert worst.name == "special, marked"
+    assert worst.area == 25.0 * np.sum(Layers(run).layer("class_japan").values == 3)
 
 
 class TestPage:

@@ -6,10 +6,9 @@ import pytest
 from playwright.sync_api import expect, sync_playwright
 
 from debrisflow.results import open_run
-from debrisflow.results.report import report
-from debrisflow.results.survey import survey
+from debrisflow.results.terrain_report import terrain_report
 from tests.building import tank3d_case
-from tests.fan import GRID, layers, terrain, write_frames, write_layers
+from tests.fan import GRID, layers, terrain, write_frames, write_layers, write_ledger
 from tests.slow.test_render import written
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -55,7 +54,8 @@ def page_file(tmp_path_factory):
     (folder / "probes" / "dam.csv").write_text(section)
     write_layers(folder, NEAR)
     write_frames(folder, NEAR)
-    return report(survey(open_run(folder)))
+    write_ledger(folder)
+    return terrain_report(open_run(folder))
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+import contourpy
 import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
@@ -34,6 +35,7 @@ OPAQUE = 0.85  # of a layer over the relief
 PAPER = 0.84  # gray behind the color bar: about that of the relief, so that colors are alike
 RELEASE = "#d4006a"
 CONTOUR = "#4a3b28"
+SHORTEST_LINE = 2.5  # cells
 NAME_LETTERS = 16  # of a line of the name of a class
 SETTINGS: Any = {"text.parse_math": False, "font.size": 7.5, "axes.unicode_minus": False}
 
@@ -162,14 +164,42 @@ def _draw_layer(axes: Axes, grid: MapGrid, layer: Layer) -> None:
         shown, cmap=colors, norm=norm, extent=_extent(grid), interpolation="nearest",
         alpha=OPAQUE, zorder=3,
     )  # fmt: skip
-    if layer.look.has_lines and not shown.mask.all():
-        x = grid.west + grid.cell * (np.arange(grid.columns) + 0.5)
-        y = grid.north - grid.cell * (np.arange(grid.rows) + 0.5)
-        inner = scale.bounds[(scale.bounds > shown.min()) & (scale.bounds < shown.max())]
-        if inner.size and min(shown.shape) >= 2:
-            lines = axes.contour(x, y, shown, inner, colors="black", linewidths=0.8, zorder=6)
-            for label in axes.clabel(lines, fmt=f"%g {layer.look.unit}", fontsize=6.5):
-                label.set(path_effects=HALO, zorder=7, clip_on=True)
+    if layer.look.has_lines:
+        for bound in scale.bounds[1:]:
+            _draw_line(axes, grid, layer, float(bound))
+
+
+def _draw_line(axes: Axes, grid: MapGrid, layer: Layer, value: float) -> None:
+    """Draw where a layer has a value, with one label; not around single cells."""
+    lines = value_lines(grid, layer.values, value)
+    lengths = [float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in lines]
+    for line, length in zip(lines, lengths, strict=True):
+        if length < SHORTEST_LINE * grid.cell:
+            continue
+        axes.plot(*line.T, color="black", linewidth=0.9, zorder=6, scalex=False, scaley=False)
+        if length == max(lengths):
+            x, y = line[len(line) // 2]
+            axes.text(
+                x, y, f"{value:g} {layer.look.unit}", fontsize=6.5, ha="center", va="center",
+                path_effects=HALO, zorder=9, clip_on=True,
+            )  # fmt: skip
+
+
+def value_lines(grid: MapGrid, values: Floats, value: float) -> list[Floats]:
+    """Return lines on the map where values of cells have a value, (n, 2) arrays, m.
+
+    Examples
+    --------
+    >>> values = np.array([[0.0, 2.0], [0.0, 2.0]])
+    >>> [line.tolist() for line in value_lines(MapGrid(0.0, 0.0, 1.0, 2, 2), values, 1.0)]
+    [[[1.0, 0.5], [1.0, 1.5]]]
+    """
+    if min(values.shape) < 2:
+        return []
+    x = grid.west + grid.cell * (np.arange(grid.columns) + 0.5)
+    y = grid.north - grid.cell * (np.arange(grid.rows) + 0.5)
+    maker = contourpy.contour_generator(x, y, np.ma.masked_invalid(values))
+    return [np.asarray(line) for line in maker.lines(value)]
 
 
 def _draw_outline(
