@@ -99,6 +99,7 @@ def draw_flume(runs: dict[float, dict[str, usgs_flume.Series]], file: Path) -> N
             axes.plot(*run[probe], color, lw=0.9, label=f"d0 = {1000 * spacing:.0f} mm")
         axes.set_title(f"{probe[1:]} m from the gate", fontsize=9, loc="left", pad=2)
         axes.set(xlabel="t since the gate is open (s)", xlim=(0.0, 20.0), ylim=(0.0, 0.36))
+        axes.set_xticks([0, 5, 10, 15, 20])
     panels[0].set_ylabel("depth (m)")
     panels[-1].legend(fontsize=8)
     figure.savefig(file, dpi=80)
@@ -130,7 +131,7 @@ def main(what: str, file: Path) -> None:
     elif what == "heap":
         draw_heap({a: heap3d.run(a, across=n) for a, n in heap3d.ACROSS.items()}, file)
     elif what == "flume":
-        changes = {d0: (f"particles.spacing={d0}",) for d0 in usgs_flume.SPACINGS}
+        changes = {d0: (f"particles.spacing={d0}", "time.end=20") for d0 in usgs_flume.SPACINGS}
         draw_flume({d0: usgs_flume.depths(change) for d0, change in changes.items()}, file)
     elif what == "slab":
         draw_slab({rows: voellmy_slab.run(rows) for rows in voellmy_slab.ROWS}, file)

@@ -21,6 +21,11 @@ def flume() -> dict[str, usgs_flume.Station]:
     return usgs_flume.run()
 
 
+@pytest.fixture(scope="module")
+def smooth() -> dict[str, usgs_flume.Station]:
+    return usgs_flume.run((*usgs_flume.SMOOTH, "time.end=8.5"))
+
+
 def test_the_front_in_the_flume_is_where_it_was_measured(flume):
     measured = usgs_flume.measured("sgm")
     assert flume["h32"].mean == pytest.approx(measured["h32"].mean, abs=0.1)  # fitted
@@ -30,13 +35,30 @@ def test_the_front_in_the_flume_is_where_it_was_measured(flume):
     assert usgs_flume.front_speed(flume) == pytest.approx(10.0, rel=0.15)
 
 
+def test_the_front_on_the_smooth_bed_follows_from_the_same_fit(smooth):
+    measured = usgs_flume.measured("sg_smooth")
+    for probe in ("h32", "h66"):
+        assert smooth[probe].mean == pytest.approx(measured[probe].mean, rel=0.15)
+
+
+def excess(found: dict[str, usgs_flume.Station], sand: str, probe: str) -> float:
+    """Return by how many standard deviations of the releases a flow is too deep."""
+    measured = usgs_flume.measured(sand)[probe]
+    return (found[probe].peak - measured.peak) / measured.deviation
+
+
 @pytest.mark.parametrize("probe", ["h66", "h90"])
 def test_the_flow_in_the_flume_is_as_deep_as_measured(flume, probe):
-    measured = usgs_flume.measured("sgm")[probe]
-    assert abs(flume[probe].peak - measured.peak) < measured.deviation
+    assert abs(excess(flume, "sgm", probe)) < 1.0
 
 
-@pytest.mark.xfail(strict=True, reason="the head is 0.3 m deep at 32 m, 1.4 deviations too much")
+@pytest.mark.xfail(
+    strict=True, reason="the tip is too deep: without a dry front it is not held back"
+)
 def test_the_head_is_as_deep_as_measured(flume):
-    measured = usgs_flume.measured("sgm")["h32"]
-    assert abs(flume["h32"].peak - measured.peak) < measured.deviation
+    assert abs(excess(flume, "sgm", "h32")) < 1.0
+
+
+@pytest.mark.xfail(strict=True, reason="too deep: the fitted drag is that of bumps")
+def test_the_flow_on_the_smooth_bed_is_as_deep_as_measured(smooth):
+    assert abs(excess(smooth, "sg_smooth", "h66")) < 1.0
