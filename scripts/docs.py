@@ -56,6 +56,7 @@ CAPTIONS = {
     "viscosities of 1e-3 and 1e-6 m²/s.",
     "settling2d": "The grains (red) leave clear water above and pack at the floor.",
     "still_tank3d": "The water stays at rest; colors show the pressure.",
+    "usgs_flume3d": "Depths at the three sections, measured and computed at two spacings.",
 }
 
 

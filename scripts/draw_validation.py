@@ -1,8 +1,9 @@
 """Draw what runs in three dimensions, made now, do beside experiments.
 
-python scripts/draw_validation.py marin|fronts|heap FILE.png
+python scripts/draw_validation.py marin|fronts|heap|flume|slab FILE.png
 
-``marin`` takes about ten minutes, ``heap`` about eight, ``fronts`` about five.
+``flume`` takes half an hour, ``marin`` about ten minutes, ``heap`` about eight, ``fronts`` and
+``slab`` about five.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import matplotlib as mpl
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.validation import dam_break, dam_break3d, heap3d, spheric
+from debrisflow.results.references import read_reference
+from tests.validation import dam_break, dam_break3d, heap3d, spheric, usgs_flume, voellmy_slab
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
@@ -84,8 +86,43 @@ def draw_heap(runs: dict[float, heap3d.Heap], file: Path) -> None:
     figure.savefig(file, dpi=80)
 
 
+def draw_flume(runs: dict[float, dict[str, usgs_flume.Series]], file: Path) -> None:
+    """Draw depths of runs of the flume, by their spacing, m, over the measured ones."""
+    table = read_reference(usgs_flume.CASES / "data" / usgs_flume.TABLES["sgm"])
+    figure, panels = plt.subplots(1, 3, figsize=(12, 3.6), sharey=True, layout="constrained")
+    for axes, curve in zip(panels, table.curves, strict=True):
+        probe, time = curve.split(".")[0], table.table["time"] - usgs_flume.GATE
+        low, high = table.band(curve)
+        axes.fill_between(time, low, high, color="0.85", label="± one standard deviation")
+        axes.plot(time, table.table[curve], "k", lw=0.9, label="measured, mean of releases")
+        for color, (spacing, run) in zip(COLORS, runs.items(), strict=False):
+            axes.plot(*run[probe], color, lw=0.9, label=f"d0 = {1000 * spacing:.0f} mm")
+        axes.set_title(f"{probe[1:]} m from the gate", fontsize=9, loc="left", pad=2)
+        axes.set(xlabel="t since the gate is open (s)", xlim=(0.0, 20.0), ylim=(0.0, 0.36))
+        axes.set_xticks([0, 5, 10, 15, 20])
+    panels[0].set_ylabel("depth (m)")
+    panels[-1].legend(fontsize=8)
+    figure.savefig(file, dpi=80)
+
+
+def draw_slab(runs: dict[int, voellmy_slab.Runout], file: Path) -> None:
+    """Draw the run-out of slabs over the number of their rows."""
+    figure, axes = plt.subplots(figsize=(5, 3.6), layout="constrained")
+    rows, finest = list(runs), runs[max(runs)]
+    axes.fill_between(rows, 0.9 * finest.front, 1.1 * finest.front, color="0.9", label="± 10 %")
+    axes.plot(rows, [run.front for run in runs.values()], "o-", color=COLORS[1], label="front")
+    middles = [run.middle for run in runs.values()]
+    axes.plot(rows, middles, "s--", color=COLORS[0], label="half of the volume")
+    axes.set(xscale="log", xlabel="rows of particles over the slab")
+    axes.set_ylabel("run-out behind the bend (m)")
+    axes.set(xticks=rows, xticklabels=rows, ylim=(0.0, None))
+    axes.minorticks_off()
+    axes.legend(fontsize=8)
+    figure.savefig(file, dpi=80)
+
+
 @click.command()
-@click.argument("what", type=click.Choice(["marin", "fronts", "heap"]))
+@click.argument("what", type=click.Choice(["marin", "fronts", "heap", "flume", "slab"]))
 @click.argument("file", type=click.Path(path_type=Path))
 def main(what: str, file: Path) -> None:
     """Draw WHAT into FILE."""
@@ -93,6 +130,11 @@ def main(what: str, file: Path) -> None:
         draw_marin({d0: spheric.run(d0, 6.0) for d0 in spheric.SPACINGS}, file)
     elif what == "heap":
         draw_heap({a: heap3d.run(a, across=n) for a, n in heap3d.ACROSS.items()}, file)
+    elif what == "flume":
+        changes = {d0: (f"particles.spacing={d0}", "time.end=20") for d0 in usgs_flume.SPACINGS}
+        draw_flume({d0: usgs_flume.depths(change) for d0, change in changes.items()}, file)
+    elif what == "slab":
+        draw_slab({rows: voellmy_slab.run(rows) for rows in voellmy_slab.ROWS}, file)
     else:
         draw_fronts(
             {

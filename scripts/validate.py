@@ -3,10 +3,10 @@
 python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [collapse] [bed] [flume]
                            [fine_flume] [short_flume] [still3d] [dam_break3d] [marin] [cube] [heap]
                            [film3d] [deposit3d] [dams] [ground3d] [st_helens] [impact] [jet]
-                           [moving]
+                           [moving] [usgs] [slab]
 
-``fine_flume`` takes about an hour, ``marin`` and ``heap`` half an hour, ``collapse`` and ``flume``
-about ten minutes, the others five or less each.
+``fine_flume`` and ``usgs`` take about an hour, ``marin`` and ``heap`` half an hour, ``collapse``
+and ``flume`` about ten minutes, the others five or less each.
 """
 
 from __future__ import annotations

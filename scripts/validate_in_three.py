@@ -18,6 +18,8 @@ from tests.validation import (
     spheric,
     st_helens,
     still3d,
+    usgs_flume,
+    voellmy_slab,
 )
 
 STILL3D = {
@@ -206,6 +208,30 @@ def print_st_helens() -> None:
     )
 
 
+def print_usgs() -> None:
+    """Print arrivals and depths in the flume of the USGS, measured and computed."""
+    runs = {f"measured, {sand}": usgs_flume.measured(sand) for sand in usgs_flume.TABLES}
+    cases = {f"d0 = {d0} m": (f"particles.spacing={d0}",) for d0 in usgs_flume.SPACINGS}
+    cases |= {"smooth bed": usgs_flume.SMOOTH, "smooth bed, xi of concrete": usgs_flume.CONCRETE}
+    for title, found in (*runs.items(), *((t, usgs_flume.run(c)) for t, c in cases.items())):
+        seen = ", ".join(
+            f"{probe} {one.mean:.2f} s (1 cm {one.first:.2f} s) {one.peak:.3f} m"
+            for probe, one in found.items()
+        )
+        click.echo(f"flume of the USGS, {title}: {seen}; {usgs_flume.front_speed(found):.1f} m/s")
+
+
+def print_slab() -> None:
+    """Print the run-out of a slab by Voellmy's law over its number of rows."""
+    for rows in voellmy_slab.ROWS:
+        found = voellmy_slab.run(rows)
+        click.echo(
+            f"slab, {rows} rows: front {found.front:.1f} m, half {found.middle:.1f} m behind the "
+            f"bend, there at {found.arrival:.1f} s, {found.speed:.1f} m/s at most, at rest after "
+            f"{found.time:.1f} s, {found.lost} lost"
+        )
+
+
 IN_THREE: dict[str, Callable[[], None]] = {
     "still3d": print_still3d,
     "dam_break3d": print_dam_break3d,
@@ -217,4 +243,6 @@ IN_THREE: dict[str, Callable[[], None]] = {
     "dams": print_dams,
     "ground3d": print_ground3d,
     "st_helens": print_st_helens,
+    "usgs": print_usgs,
+    "slab": print_slab,
 }

@@ -53,8 +53,9 @@ Obstacles = tuple[AnyObstacle, ...]
 
 FEWEST_SPACINGS = 4
 FEWEST_BED_SPACINGS = 3
-# degrees; its cosine is above ``neighbors.wall_access.EDGE``, so that a floor is no edge
-LARGEST_BEND = 25.0
+# degrees, by form of the scheme: as far as was looked at, and of walls of particles as far as its
+# cosine is above ``neighbors.wall_access.EDGE``, so that a floor is no edge
+LARGEST_BEND = {"stable": 30.0, "study": 25.0}
 BY_COLUMN = ("manning", "voellmy")  # laws of friction by the mean velocity of a column
 
 
@@ -220,7 +221,9 @@ def weir_in_channel(geometry: Geometry) -> Problems:
         yield Problem("geometry.weir_height", message, geometry.weir_height)
 
 
-def runout_behind_bed(geometry: Geometry, gravity: Gravity, particles: Particles) -> Problems:
+def runout_behind_bed(
+    geometry: Geometry, gravity: Gravity, particles: Particles, scheme: AnyScheme
+) -> Problems:
     """Check that a run-out bends up, behind the bed and below the top of the channel."""
     if not isinstance(geometry, ChannelShape):
         return
@@ -234,12 +237,12 @@ def runout_behind_bed(geometry: Geometry, gravity: Gravity, particles: Particles
     if geometry.periodic or geometry.weir_height > 0:
         other = "geometry.periodic" if geometry.periodic else "geometry.weir_height"
         yield Problem(other, "leave it out where the channel has a run-out")
-    bend = degrees(gravity.fall) - geometry.runout_slope
-    if not TOLERANCE < bend <= LARGEST_BEND + TOLERANCE:
+    bend, largest = degrees(gravity.fall) - geometry.runout_slope, LARGEST_BEND[scheme.form]
+    if not TOLERANCE < bend <= largest + TOLERANCE:
         message = (
-            f"the floor must bend up, by at most {LARGEST_BEND:g} degrees, and not by {bend:g}: "
+            f"the floor must bend up, by at most {largest:g} degrees, and not by {bend:g}: "
             f"give less than {degrees(gravity.fall):g} and at least "
-            f"{degrees(gravity.fall) - LARGEST_BEND:g}"
+            f"{degrees(gravity.fall) - largest:g}"
         )
         yield Problem("geometry.runout_slope", message, geometry.runout_slope)
     behind = bed_end(geometry, particles) if geometry.bed_thickness > 0 else 0.0

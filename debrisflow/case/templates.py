@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -11,6 +12,8 @@ from debrisflow.errors import CaseError, OutputError
 SCHEMA = "case.schema.json"
 EXPERIMENTS = "experiments"
 """Folder of the cases that have measurements to compare with beside them."""
+DATA = "data"
+"""Folder of what other cases are built from and compared with."""
 
 
 def templates() -> dict[str, Path]:
@@ -37,7 +40,8 @@ def titles() -> dict[str, str]:
 def start_case(target: Path, template: str) -> list[Path]:
     """Copy a shipped case, what belongs to it and its schema, and return what was written.
 
-    To it belong the files that it names and, of an experiment, the table of the measurements.
+    To it belong the files that it names, in its comments too, and, of an experiment, the table of
+    the measurements.
 
     Raises
     ------
@@ -56,10 +60,9 @@ def start_case(target: Path, template: str) -> list[Path]:
     is_experiment = source.parent.name == EXPERIMENTS
     text = source.read_text(encoding="utf-8")
     copies = {target: text.replace("#:schema ../", "#:schema ./", 1)}
-    supply = tomllib.loads(text).get("inflow", {}).get("hydrograph")
-    for name in (supply, f"{source.stem}.csv" if is_experiment else None):
-        if isinstance(name, str):
-            copies[target.parent / name] = (source.parent / name).read_text(encoding="utf-8")
+    named = _files_of(text)
+    for name in (*named, f"{source.stem}.csv") if is_experiment else named:
+        copies[target.parent / name] = (source.parent / name).read_text(encoding="utf-8")
     schema = (source.parents[1] if is_experiment else source.parent) / SCHEMA
     if schema.is_file() and not (target.parent / SCHEMA).exists():
         copies[target.parent / SCHEMA] = schema.read_text(encoding="utf-8")
@@ -69,6 +72,13 @@ def start_case(target: Path, template: str) -> list[Path]:
     for copy, content in copies.items():
         _write(copy, content)
     return list(copies)
+
+
+def _files_of(text: str) -> list[str]:
+    """Return the files that a shipped case names: its hydrograph, and what it has in its data."""
+    supply = tomllib.loads(text).get("inflow", {}).get("hydrograph")
+    data = sorted(set(re.findall(rf"\b{DATA}/[\w.]*\w", text)))
+    return [supply, *data] if isinstance(supply, str) else data
 
 
 def _write(path: Path, content: str) -> None:

@@ -49,6 +49,17 @@ def has_pore_pressure(case: ResolvedCase) -> bool:
     return any(part.pore_pressure > 0.0 for part in (*case.fill, *case.release))
 
 
+def leave_out_unasked(particles: Particles, case: ResolvedCase) -> None:
+    """Leave the arrays without rows that no term of a case reads.
+
+    To a record without particles they look as all others do, so that they get rows with the first.
+    """
+    if case.drag.law == "none":
+        particles.relative_velocity = particles.owed_displacement = np.zeros((0, 3))
+    if not has_pore_pressure(case):
+        particles.pore_pressure = particles.pore_pressure_rate = np.zeros(0)
+
+
 def concentrations(case: ResolvedCase) -> set[float]:
     """Return the sediment concentrations of what a case is filled with and supplied by."""
     found = {case.mixture.concentration if f.material == "mixture" else 0.0 for f in case.fill}

@@ -18,6 +18,7 @@ from debrisflow.case.resolved import ResolvedHydrographRelease, ResolvedRelease
 from debrisflow.particles.matter import (
     concentrations_of,
     has_pore_pressure,
+    leave_out_unasked,
     reference_density,
     set_fraction,
     set_pore_pressure,
@@ -46,6 +47,7 @@ def release_due(state: State, case: ResolvedCase, time: float) -> None:
             continue
         if group.count:
             _admit(group, state)
+            leave_out_unasked(state.particles, case)
             state.released[k] += group.count
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, tables
-from debrisflow.particles.matter import has_pore_pressure, set_material, set_pore_pressure
+from debrisflow.particles.matter import leave_out_unasked, set_material, set_pore_pressure
 from debrisflow.particles.record import Kind, Particles, blank
 from debrisflow.particles.supply import first_columns
 from debrisflow.space.carving import filled
@@ -37,10 +37,7 @@ def seed(case: ResolvedCase) -> Particles:
     wall_count = int(np.count_nonzero(particles.kind == Kind.WALL))
     for group in reversed(groups):
         particles.insert(0, group)
-    if case.drag.law == "none":
-        particles.relative_velocity = particles.owed_displacement = np.zeros((0, 3))
-    if not has_pore_pressure(case):
-        particles.pore_pressure = particles.pore_pressure_rate = np.zeros(0)
+    leave_out_unasked(particles, case)
     particles.id = np.arange(particles.count)
     particles.fluid_count = fluid_count
     particles.inflow_count = inflow_count

@@ -87,6 +87,12 @@ class TestInit:
         (shipped / "flume2d.toml").write_text("# kept\n" + CHANNEL)
         (shipped / "supply2d.toml").write_text('[inflow]\nhydrograph = "q.csv"\n')
         (shipped / "q.csv").write_text("time,discharge,concentration\n0,0.01,0\n")
+        (shipped / "data").mkdir()
+        (shipped / "data/wedge.obj").write_text("v 0 0 0\n")
+        (shipped / "data/depths.csv").write_text("time,h.height\n0,0.1\n")
+        (shipped / "release3d.toml").write_text(
+            '# Compare: --reference data/depths.csv.\n[[fill]]\nfile = "data/wedge.obj"\n'
+        )
         (shipped / "experiments").mkdir()
         (shipped / "experiments/lake.toml").write_text(
             '#:schema ../case.schema.json\ntitle = "a"\n'
@@ -112,6 +118,14 @@ class TestInit:
 
         there = ["case.schema.json", "mine.toml", "q.csv"]
         assert sorted(path.name for path in target.parent.iterdir()) == there
+
+    def test_what_a_case_names_of_its_data_goes_along(self, tmp_path: Path) -> None:
+        target = tmp_path / "new" / "mine.toml"
+
+        CliRunner().invoke(main, ["init", str(target), "--template", "release3d"])
+
+        there = ["depths.csv", "wedge.obj"]
+        assert sorted(path.name for path in (target.parent / "data").iterdir()) == there
 
     def test_an_experiment_comes_with_its_measurements(self, tmp_path: Path) -> None:
         target = tmp_path / "new" / "mine.toml"

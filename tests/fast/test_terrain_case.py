@@ -28,6 +28,7 @@ from debrisflow.case.resolved import (
 from debrisflow.case.terrain_speeds import expected_speed
 from debrisflow.case.vectors import write_polygons
 from debrisflow.errors import CaseError
+from debrisflow.particles.start import initial_state
 from debrisflow.run.work import growth, speeds
 
 WEST, SOUTH, CELL = 500_000.0, 4_000_000.0, 5.0
@@ -243,6 +244,14 @@ class TestReleases:
         x, y = WEST + np.array([30.0, 200.0, 999.0]), np.full(3, SOUTH + 50.0)
         assert is_in_zone(low, x, y).tolist() == [False, True, False]
         assert is_in_zone(square, x, y).tolist() == [True, False, False]
+
+    def test_pore_pressure_is_there_where_it_is_asked_for(self, build: Build) -> None:
+        plain = initial_state(build()).particles
+        assert plain.count > 0
+        assert plain.pore_pressure.size == plain.relative_velocity.size == 0
+        wet = initial_state(build(RELEASE | {"pore_pressure": 0.4, "pore_pressure_time": 8.0}))
+        np.testing.assert_array_equal(wet.particles.pore_pressure, 0.4)
+        np.testing.assert_array_equal(wet.particles.pore_pressure_rate, 0.125)
 
 
 class TestSpeeds:
