@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from debrisflow.case import build_case
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.results.hazard import hazard_map, write_hazard
 from debrisflow.results.hazard_classes import read_classes
@@ -90,6 +91,26 @@ def depth_at(time):
     depth = part * known["peak_depth"] + (1.0 - part) * known["final_depth"]
     depth = np.where(since >= 0.0, depth, np.nan)
     return known["release"] if time == 0 else depth
+
+
+def fan_case(folder: Path, **tables):
+    """Return a case on this terrain, whose file is written into a folder."""
+    write_raster(folder / "dem.asc", Raster(GRID, terrain()))
+    west, south = GRID.west + 180.0, GRID.south + 520.0
+    square = [[west + x, south + y] for x, y in ((0, 0), (35, 0), (35, 45), (0, 45))]
+    release = {"type": "polygon", "corners": square, "depth": 4.0, "material": "mixture"}
+    friction = {"law": "voellmy", "coefficient": 0.14, "turbulence": 300.0}
+    known = {
+        "title": "fan",
+        "particles": {"spacing": 2.0},
+        "geometry": {"type": "terrain", "dem": "dem.asc"},
+        "release": [release | tables.pop("release", {})],
+        "mixture": {"concentration": 0.5},
+        "walls": {"floor": {"friction": friction}},
+        "time": {"end": 60.0},
+        "output": {"interval": 5.0},
+    }
+    return build_case(known | tables, folder=folder)
 
 
 def write_layers(folder: Path, grid=GRID):

@@ -24,6 +24,7 @@ from debrisflow.run.folder import PICTURES, POSTPROCESS
 
 FILE = "report.html"
 RUNNING = "still running, or interrupted"
+WHOLE_FROM = 1000.0  # figures without decimals
 LARGEST_PICTURE = 8 * 2**20  # bytes, of one that a page still carries
 TIMING = (
     ("wall_seconds", "wall time, without compiling", "{:.0f} s"),
@@ -69,12 +70,24 @@ def write_page(run: Run, template: str, words: Words, contents: Mapping[str, Any
         undefined=jinja2.StrictUndefined,
     )
     environment.filters["figure"] = figure
+    environment.filters["rounded"] = rounded
     known = _common(run) | {"words": words, "pictures": pictures(run.folder / PICTURES)}
     page = environment.get_template(template).render(**known, **contents)
     path = run.folder / POSTPROCESS / FILE
     with replaced(path) as unfinished:
         unfinished.write_text(page, encoding="utf-8")
     return path
+
+
+def rounded(value: float) -> str:
+    """Return a figure of four digits, large ones whole and in groups of three digits.
+
+    Examples
+    --------
+    >>> rounded(12000.4), rounded(0.31124)
+    ('12,000', '0.3112')
+    """
+    return f"{value:,.0f}" if abs(value) >= WHOLE_FROM else figure(value)
 
 
 def as_it_stands(name: str) -> Markup:

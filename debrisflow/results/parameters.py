@@ -12,6 +12,8 @@ from debrisflow.case.releases import DISCHARGE
 from debrisflow.case.resolved import ResolvedInflow, UnsteadyInflow
 from debrisflow.case.rheology import NoStrength
 
+IN_METERS = 0.5  # m, of a particle whose size is told in meters
+
 
 class Parameter(NamedTuple):
     """One field of a case.
@@ -85,7 +87,7 @@ def summary(case: ResolvedCase) -> str:
 
 def _words(case: ResolvedCase) -> Iterator[str]:
     d0, matter = case.particles.spacing, phases(case.fill, case.inflow, case.geometry, case.release)
-    yield f"d0 = {1000.0 * d0:g} mm"
+    yield f"d0 = {told_length(d0)}"
     if case.gravity.vector is not None:
         yield "gravity ({:g}, {:g}) m/s²".format(*case.gravity.vector)
     elif case.gravity.slope:
@@ -99,8 +101,27 @@ def _words(case: ResolvedCase) -> Iterator[str]:
     if matter - {"water"}:
         yield f"grains {1000.0 * case.sediment.grain_diameter:g} mm"
     yield from _laws(case)
+    if case.is_terrain and case.walls.floor.friction is not None:
+        yield _friction(case.walls.floor.friction)
     if case.inflow is not None:
         yield f"supply {_supply(case.inflow, case.dimension)}"
+
+
+def told_length(length: float) -> str:
+    """Return a length of particles in words, in m or mm.
+
+    Examples
+    --------
+    >>> told_length(1.5), told_length(0.0125)
+    ('1.5 m', '12.5 mm')
+    """
+    return f"{length:g} m" if length >= IN_METERS else f"{1000.0 * length:g} mm"
+
+
+def _friction(friction: Table) -> str:
+    """Return the law of the friction along the ground, with its numbers."""
+    numbers = (f"{value:g}" for value in dict(friction).values() if isinstance(value, float))
+    return " ".join([f"ground {dict(friction)['law']}", *numbers])
 
 
 def _laws(case: ResolvedCase) -> Iterator[str]:

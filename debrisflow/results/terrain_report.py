@@ -10,8 +10,9 @@ import numpy as np
 from debrisflow.results.answers import Answer
 from debrisflow.results.hazard import class_names, read_class_map
 from debrisflow.results.layers import layer_file, read_layer
+from debrisflow.results.maps.layers import Layers
 from debrisflow.results.maps.web import web_map
-from debrisflow.results.page import as_it_stands, pictures, warnings_of, write_page
+from debrisflow.results.page import Picture, as_it_stands, picture, warnings_of, write_page
 from debrisflow.results.reader import Run
 from debrisflow.results.words import ENGLISH, Words
 from debrisflow.run.folder import LEDGER, MAPS
@@ -67,11 +68,21 @@ def terrain_report(run: Run, language: str = ENGLISH) -> Path:
         "map": web_map(run, words),
         "script": as_it_stands("map.js"),
         "style": as_it_stands("map.css"),
-        "sheets": pictures(run.folder / MAPS),
-        "answers": {"Volumes": volumes(run), "Flow": flow_figures(run), "Run-out": runout(run)},
+        "sheets": sheets(run),
+        "answers": {
+            "Volumes": volumes(run),
+            "Flow": flow_figures(run, words),
+            "Run-out": runout(run),
+        },
         "classes": [class_areas(run, name) for name in class_names(run.folder)],
     }
     return write_page(run, "terrain.html", words, contents)
+
+
+def sheets(run: Run) -> list[Picture]:
+    """Return the maps for print that there are, in the order of the layers."""
+    files = [run.folder / MAPS / f"{name}.png" for name in Layers(run).names]
+    return [picture(file) for file in files if file.is_file()]
 
 
 def volumes(run: Run) -> list[Answer]:
@@ -83,12 +94,12 @@ def volumes(run: Run) -> list[Answer]:
     return rows + [Answer(word, each * last[key], "m³", "") for key, word in PARTS.items()]
 
 
-def flow_figures(run: Run) -> list[Answer]:
+def flow_figures(run: Run, words: Words) -> list[Answer]:
     """Return the area that was reached, the extremes of the layers and the area of the deposit."""
     depth = read_layer(run.folder, "peak_depth")
     cell, least = depth.grid.cell**2, run.case.output.layer_depth
     reached = cell * float(np.sum(depth.values >= least))
-    told = f"where the depth exceeded {least:g} m"
+    told = words("where the depth exceeded {least} m", least=f"{least:g}")
     rows = [Answer("affected area", reached, "m²", told)]
     for name, (word, unit) in GREATEST.items():
         if layer_file(run.folder, name) is not None:
@@ -97,7 +108,8 @@ def flow_figures(run: Run) -> list[Answer]:
             rows.append(Answer(word, greatest, unit, "of a cell"))
     if layer_file(run.folder, "deposit") is not None:
         area = cell * float(np.sum(read_layer(run.folder, "deposit").values >= least))
-        rows.append(Answer("deposit area", area, "m²", f"at rest and deeper than {least:g} m"))
+        told = words("at rest and deeper than {least} m", least=f"{least:g}")
+        rows.append(Answer("deposit area", area, "m²", told))
     return rows
 
 
@@ -116,10 +128,10 @@ def runout(run: Run) -> list[Answer]:
     distance = terrain.grid.cell * np.linalg.norm(reached - top, axis=1)
     end = tuple(reached[np.argmax(distance)])
     length, fall = float(distance.max()), float(level[tuple(top)] - terrain.values[end])
-    told = "from the highest released cell to the reached cell that is farthest from it"
+    told = "horizontal, from the highest released cell to the farthest reached one"
     return [
-        Answer("travel distance", length, "m", f"horizontal, straight, {told}"),
-        Answer("fall height", fall, "m", f"vertical, {told}"),
+        Answer("travel distance", length, "m", f"L, {told}"),
+        Answer("fall height", fall, "m", "H, between these cells"),
         Answer("equivalent friction", fall / length if length else np.nan, "", "H / L"),
     ]
 

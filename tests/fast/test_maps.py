@@ -35,7 +35,7 @@ from debrisflow.results.terrain_report import (
 from debrisflow.results.words import Words, _table
 from debrisflow.run.folder import RunFolder
 from tests.building import tank3d_case
-from tests.fan import GRID, TIMES, write_classes, write_frames, write_layers, write_ledger
+from tests.fan import GRID, TIMES, fan_case, write_classes, write_frames, write_layers, write_ledger
 
 
 @pytest.fixture(scope="module")
@@ -148,13 +148,15 @@ def test_a_map_of_classes_names_them_and_their_source(run):
     assert written[0].name == "class_japan.png"
 
 
-def test_a_structure_has_the_outline_of_its_faces(tmp_path):
-    box = {"type": "box", "name": "dam", "x": [0.2, 0.3], "y": [0.1, 0.5], "z": [0.0, 0.3]}
-    with RunFolder.create(tmp_path / "run", tank3d_case(obstacle=[box])):
+def test_a_structure_stands_where_it_is_on_the_map(tmp_path):
+    corner = np.array([GRID.west + 190.0, GRID.south + 240.0])
+    box = {"type": "box", "name": "dam", "z": [395.0, 412.0]}
+    box |= {"x": [corner[0], corner[0] + 70.0], "y": [corner[1], corner[1] + 5.0]}
+    with RunFolder.create(tmp_path / "run", fan_case(tmp_path, obstacle=[box])):
         pass
     (ring,) = structures(open_run(tmp_path / "run"))["dam"]
-    assert ring.min(axis=0) == pytest.approx([0.2, 0.1])
-    assert ring.max(axis=0) == pytest.approx([0.3, 0.5])
+    assert ring.min(axis=0) == pytest.approx(corner)
+    assert ring.max(axis=0) == pytest.approx(corner + np.array([70.0, 5.0]))
 
 
 class TestLanguage:
@@ -196,7 +198,9 @@ class TestLanguage:
 
 def test_the_report_of_a_run_on_a_terrain_says_where_the_volume_is(run):
     write_ledger(run.folder)
-    found = {row.quantity: row.value for row in volumes(run) + flow_figures(run) + runout(run)}
+    found = {
+        row.quantity: row.value for row in volumes(run) + flow_figures(run, Words()) + runout(run)
+    }
     assert found["released"] == 2000.0
     assert found["moving at the end"] == 200.0
     assert found["left over an edge of the terrain"] == 40.0

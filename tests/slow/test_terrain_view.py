@@ -5,14 +5,15 @@ import pytest
 from PIL import Image
 
 from debrisflow.case.rasters import MapGrid, Raster
+from debrisflow.results import open_run
+from debrisflow.results.maps.layers import terrain_around
 from debrisflow.results.pictures.coloring import Scale
 from debrisflow.results.pictures.render import render
 from debrisflow.results.pictures.sheet import Sheet, layout
 from debrisflow.results.pictures.terrain import TerrainPanels, path_of, terrain_mesh
 from debrisflow.results.pictures.views import OPENING
 from debrisflow.space.scene import Scene
-from tests.building import tank3d_case
-from tests.fan import GRID, frame_at, terrain, write_layers
+from tests.fan import GRID, fan_case, frame_at, terrain
 from tests.slow.test_render import screen, written
 
 LOCAL = GRID._replace(west=0.0, south=0.0)
@@ -53,6 +54,23 @@ def test_the_eye_is_downstream_and_sees_all():
     assert np.abs(panels.camera.seen(position)).max() < half
 
 
+def test_what_is_taken_out_of_the_terrain_lies_in_it(tmp_path):
+    """So that it is seen: the ground is drawn without it."""
+    case = fan_case(tmp_path, release={"place": "in-terrain"})
+    folder = written(tmp_path / "run", case, frames=1)
+    run = open_run(folder)
+    drawn, given = terrain_around(run), Raster(LOCAL, terrain() - case.geometry.origin[2])
+    frame = run.frame()
+    row = ((LOCAL.north - frame.position[:, 1]) // LOCAL.cell).astype(int)
+    column = (frame.position[:, 0] // LOCAL.cell).astype(int)
+    lowered = (given.values - drawn.values)[row, column]
+    assert 2.5 < np.median(lowered) < 4.5
+    over = frame.position[:, 2] - drawn.values[row, column]
+    # over the middle of its cell, whose ground slopes by up to 0.6
+    assert over.min() > -2.0
+    assert np.mean(over) > 1.0
+
+
 @pytest.mark.usefixtures("screen")
 def test_a_particle_is_seen_where_it_stands_on_the_ground():
     frames = [frame_at(0), frame_at(90)]
@@ -72,8 +90,7 @@ def test_a_particle_is_seen_where_it_stands_on_the_ground():
 
 @pytest.mark.usefixtures("screen")
 def test_a_run_on_a_terrain_gives_a_page_and_an_animation(tmp_path):
-    folder = written(tmp_path / "run", tank3d_case())
-    write_layers(folder)
+    folder = written(tmp_path / "run", fan_case(tmp_path))
     page, animation = render(folder, by="speed")
     assert [file.name for file in (page, animation)] == [
         "perspective_speed.png",

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.rasters import Raster
+from debrisflow.case.rasters import Raster, raster_of_plan
 from debrisflow.errors import OutputError
 from debrisflow.results.hazard import ClassMap, class_names, read_class_map
 from debrisflow.results.layers import layer_file, read_layer
@@ -18,6 +18,7 @@ from debrisflow.results.maps.part import SHEET, coarsened, part_around
 from debrisflow.results.reader import Run
 from debrisflow.run.layers import FOLDER, FRAME, FRAME_TIMES
 from debrisflow.run.tables import read_table
+from debrisflow.space.ground import ground_of
 
 Floats = NDArray[np.float64]
 REDUCED: dict[str, Callable[..., Floats]] = {"arrival": np.fmin.reduce, "terrain": np.mean}
@@ -170,13 +171,12 @@ def has_layers(run: Run) -> bool:
 
 
 def terrain_around(run: Run) -> Raster:
-    """Return the terrain of a run in the coordinates of its particles.
+    """Return the ground of a run on the cells of its DEM, in the coordinates of its particles.
 
-    Raises
-    ------
-    OutputError
-        If the run has none, or its file is damaged.
+    It is the smooth surface over which they run, without what was taken out of the terrain.
     """
-    raster = read_layer(run.folder, "terrain")
-    base = (getattr(run.case.geometry, "origin", None) or (0.0, 0.0, 0.0))[2]
-    return Raster(raster.grid._replace(west=0.0, south=0.0), raster.values - base)
+    ground = ground_of(run.case)
+    grid = ground.grid._replace(west=0.0, south=0.0)
+    x, y = (grid.cell * (np.arange(count) + 0.5) for count in (grid.columns, grid.rows))
+    level = ground.surface.level(*np.meshgrid(x, y, indexing="ij"))
+    return raster_of_plan(grid, np.where(np.isfinite(ground.given), level, np.nan))

@@ -36,6 +36,7 @@ PAPER = 0.84  # gray behind the color bar: about that of the relief, so that col
 RELEASE = "#d4006a"
 CONTOUR = "#4a3b28"
 SHORTEST_LINE = 2.5  # cells
+LABEL_AT = (0.3, 0.7)  # shares of lines that follow each other, so that labels lie apart
 NAME_LETTERS = 16  # of a line of the name of a class
 SETTINGS: Any = {"text.parse_math": False, "font.size": 7.5, "axes.unicode_minus": False}
 
@@ -165,12 +166,12 @@ def _draw_layer(axes: Axes, grid: MapGrid, layer: Layer) -> None:
         alpha=OPAQUE, zorder=3,
     )  # fmt: skip
     if layer.look.has_lines:
-        for bound in scale.bounds[1:]:
-            _draw_line(axes, grid, layer, float(bound))
+        for number, bound in enumerate(scale.bounds[1:].tolist()):
+            _draw_line(axes, grid, layer, bound, LABEL_AT[number % 2])
 
 
-def _draw_line(axes: Axes, grid: MapGrid, layer: Layer, value: float) -> None:
-    """Draw where a layer has a value, with one label; not around single cells."""
+def _draw_line(axes: Axes, grid: MapGrid, layer: Layer, value: float, share: float) -> None:
+    """Draw where a layer has a value, with a label on the way; not around single cells."""
     lines = value_lines(grid, layer.values, value)
     lengths = [float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in lines]
     for line, length in zip(lines, lengths, strict=True):
@@ -178,7 +179,7 @@ def _draw_line(axes: Axes, grid: MapGrid, layer: Layer, value: float) -> None:
             continue
         axes.plot(*line.T, color="black", linewidth=0.9, zorder=6, scalex=False, scaley=False)
         if length == max(lengths):
-            x, y = line[len(line) // 2]
+            x, y = line[int(share * (len(line) - 1))]
             axes.text(
                 x, y, f"{value:g} {layer.look.unit}", fontsize=6.5, ha="center", va="center",
                 path_effects=HALO, zorder=9, clip_on=True,

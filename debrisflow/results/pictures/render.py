@@ -15,7 +15,8 @@ from debrisflow.errors import OutputError
 from debrisflow.particles.record import Kind
 from debrisflow.results.fonts import writable
 from debrisflow.results.frames import Frame, read_frame
-from debrisflow.results.maps.layers import has_layers, terrain_around
+from debrisflow.results.maps.layers import terrain_around
+from debrisflow.results.parameters import told_length
 from debrisflow.results.pictures.coloring import (
     KIND_COLORS,
     KIND_WORDS,
@@ -149,7 +150,7 @@ def views_of(
 ) -> list[Panels]:
     """Return the ways to see a run, the animated one first."""
     case = run.case
-    if has_layers(run):
+    if case.is_terrain:
         scene = scene_of(case, 0.0)
         return [TerrainPanels(terrain_around(run), scene, frames, case.particles.spacing)]
     extents = [extent_of(case, frame) for frame in frames]
@@ -183,7 +184,7 @@ class Painter:
     def sheet(self, view: Panels, panels: int, dots: int) -> Sheet:
         """Return a page with its heading and the key of the colors."""
         case = self.run.case
-        facts = [f"run {self.run.name}", f"particles of {1000.0 * case.particles.spacing:g} mm"]
+        facts = [f"run {self.run.name}", f"particles of {told_length(case.particles.spacing)}"]
         if abs(case.gravity.fall) > 1e-9:
             facts.append(f"x falls by {np.degrees(case.gravity.fall):.3g}°")
         facts += [view.remark] if view.remark else []
