@@ -66,8 +66,7 @@ def test_what_is_taken_out_of_the_terrain_lies_in_it(tmp_path):
     lowered = (given.values - drawn.values)[row, column]
     assert 2.5 < np.median(lowered) < 4.5
     over = frame.position[:, 2] - drawn.values[row, column]
-    # over the middle of its cell, whose ground slopes by up to 0.6
-    assert over.min() > -2.0
+    assert over.min() > -3.0  # beside the scar, 4 m deep
     assert np.mean(over) > 1.0
 
 
