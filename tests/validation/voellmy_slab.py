@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.case.resolved import ResolvedCase
-from debrisflow.particles.state import State, initial_state
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.scheme import Scheme
 
