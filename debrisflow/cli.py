@@ -138,7 +138,14 @@ def main() -> None:
     is_flag=True,
     help="Measure the wall time by two seconds of steps, after kernels are compiled.",
 )
-def check(case: Path, overrides: tuple[str, ...], measure: bool) -> None:
+@click.option(
+    "--plot",
+    "picture",
+    metavar="FILE.png",
+    type=_PATH,
+    help="Draw terrain, releases, zones, obstacles and probes of a case on a terrain.",
+)
+def check(case: Path, overrides: tuple[str, ...], measure: bool, picture: Path | None) -> None:
     """Validate CASE and print a forecast of its run."""
     from debrisflow.case import load_case
     from debrisflow.run.forecast import forecast
@@ -152,6 +159,10 @@ def check(case: Path, overrides: tuple[str, ...], measure: bool) -> None:
 
         pace = measured_pace(checked)
     click.echo(forecast(checked, pace))
+    if picture is not None:
+        from debrisflow.results.maps.plan import draw_case
+
+        _print_files([draw_case(checked, picture)])
 
 
 @main.command()

@@ -154,7 +154,7 @@ def test_a_structure_stands_where_it_is_on_the_map(tmp_path):
     box |= {"x": [corner[0], corner[0] + 70.0], "y": [corner[1], corner[1] + 5.0]}
     with RunFolder.create(tmp_path / "run", fan_case(tmp_path, obstacle=[box])):
         pass
-    (ring,) = structures(open_run(tmp_path / "run"))["dam"]
+    (ring,) = structures(open_run(tmp_path / "run").case)["dam"]
     assert ring.min(axis=0) == pytest.approx(corner)
     assert ring.max(axis=0) == pytest.approx(corner + np.array([70.0, 5.0]))
 
