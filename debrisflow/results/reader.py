@@ -21,12 +21,13 @@ from debrisflow.results.data_table import DataTable
 from debrisflow.results.frames import Frame, read_frame
 from debrisflow.results.grids import read_grid
 from debrisflow.results.surfaces import Surface, free_surface
-from debrisflow.run import deposit, history, maxima
+from debrisflow.run import deposit, history, ledger, maxima
 from debrisflow.run.folder import (
     CASE,
     DEPOSIT,
     FRAMES,
     HISTORY,
+    LEDGER,
     LOG,
     MAXIMA,
     PROBES,
@@ -150,6 +151,12 @@ class Run:
         table = read_table(self.folder / HISTORY, needed=history.COLUMNS)
         rows = rows_where(table, table["time"] >= 0.0)
         return DataTable(rows, history.units(self.case.dimension))
+
+    @cached_property
+    def ledger(self) -> DataTable:
+        """Return ``ledger.csv`` of a run on a terrain: an array by column name, from t = 0 on."""
+        table = read_table(self.folder / LEDGER, needed=ledger.COLUMNS)
+        return DataTable(rows_where(table, table["time"] >= 0.0), ledger.UNITS)
 
     @cached_property
     def deposit(self) -> DataTable:
