@@ -270,7 +270,10 @@ def postprocess(
     from debrisflow.results.survey import survey_of
 
     given = [read_reference(path) for path in references]
-    found = survey_of(open_run(folder), stations, window, times, smooth)
+    run = open_run(folder)
+    if surface:
+        run.walls()  # which a terrain does not have
+    found = survey_of(run, stations, window, times, smooth)
     written, messages = postprocess(found, given)
     if surface:
         from debrisflow.results.surface_files import write_surfaces

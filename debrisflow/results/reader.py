@@ -130,7 +130,18 @@ class Run:
         return wall_particles(self.case)
 
     def walls(self, time: float = 0.0) -> Floats:
-        """Return places of particles by which the walls can be drawn at a time, s, (n, 3), m."""
+        """Return places of particles by which the walls can be drawn at a time, s, (n, 3), m.
+
+        Raises
+        ------
+        OutputError
+            On a terrain, whose ground is a smooth surface.
+        """
+        if self.case.is_terrain:
+            raise OutputError(
+                f"{self.folder} is a run on a terrain, of which no free surface can be drawn yet; "
+                "output.layer_interval keeps the depth at times as rasters"
+            )
         position = self._walls.position.copy()
         for number, way in trajectories(self.case).items():
             own = self._walls.wall == number

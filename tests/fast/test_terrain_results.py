@@ -218,6 +218,13 @@ class TestCommands:
         assert told.exit_code == OutputError.exit_code
         assert "output.layer_interval keeps the depth at times" in told.output
 
+    def test_a_free_surface_is_refused_before_anything_is_written(self, tmp_path):
+        folder = slide(tmp_path / "run")
+        told = CliRunner().invoke(main, ["postprocess", str(folder), "--surface"])
+        assert told.exit_code == OutputError.exit_code
+        assert "of which no free surface can be drawn yet" in told.output
+        assert not (folder / "postprocess").exists()
+
     def test_postprocess_and_compare(self, folder, tmp_path):
         told = CliRunner().invoke(main, ["postprocess", str(folder)])
         assert told.exit_code == 0, told.output
