@@ -105,7 +105,7 @@ def _extent(found: TerrainSurvey, words: Words) -> list[Answer]:
         )
         rows.append(Answer(name, value, unit, told))
     last = greatest(arrival[np.isfinite(arrival)])
-    return [*rows, Answer("latest_arrival", last, "s", words("of a cell"))]
+    return [*rows, Answer("arrival_latest", last, "s", words("of a cell"))]
 
 
 def _told(place: tuple[float, float]) -> str:

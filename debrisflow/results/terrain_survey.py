@@ -17,7 +17,6 @@ from debrisflow.results.layers import layer_file, read_layer
 from debrisflow.results.measured import REST_SHARE, Measured, last_part
 from debrisflow.results.reader import Run
 from debrisflow.run.ledger import PLACES
-from debrisflow.run.stop import AT_REST
 from debrisflow.run.tables import Table
 from debrisflow.space.released import source_of
 
@@ -325,11 +324,14 @@ def _top(run: Run, terrain: Raster) -> tuple[float, float] | None:
 
 
 def _bound(run: Run) -> str:
-    """Return why a flow may go farther than it has; empty if it has come to rest on the map."""
+    """Return why a flow may go farther than it has; empty if it has come to rest on the map.
+
+    A run that ends by ``time.stop_energy`` may still creep.
+    """
     ledger = run.ledger
     moving, rests, left = (float(ledger[name][-1]) for name in ("moving", "at_rest", "left"))
     if left > 0.0:
         return "a lower bound: some of it left over an edge of the DEM"
-    if run.summary.get("end_reason") != AT_REST and moving >= REST_SHARE * (moving + rests) > 0.0:
+    if moving >= REST_SHARE * (moving + rests) > 0.0:
         return "a lower bound: the flow still moves at the end"
     return ""

@@ -30,7 +30,7 @@ from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
 from debrisflow.run.schedule import Schedule
-from debrisflow.run.stop import AT_REST, StopRule
+from debrisflow.run.stop import StopRule
 from debrisflow.run.summary import summary
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.clock import Clock
@@ -42,7 +42,7 @@ MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
 INTERRUPTED = "interrupted"
-ENDED, EMPTY = "end of the simulated time", "no fluid is left"
+ENDED, EMPTY, AT_REST = "end of the simulated time", "no fluid is left", "at rest"
 
 
 def simulate(

@@ -10,8 +10,6 @@ from debrisflow.particles.releases import end_of
 from debrisflow.particles.state import State
 from debrisflow.space.scene import trajectories
 
-AT_REST = "at rest"  # why a run ended
-
 
 class StopRule:
     """Whether the kinetic energy has fallen below a share of its greatest value.
