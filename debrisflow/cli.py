@@ -138,7 +138,14 @@ def main() -> None:
     is_flag=True,
     help="Measure the wall time by two seconds of steps, after kernels are compiled.",
 )
-def check(case: Path, overrides: tuple[str, ...], measure: bool) -> None:
+@click.option(
+    "--plot",
+    "picture",
+    metavar="FILE.png",
+    type=_PATH,
+    help="Draw terrain, releases, zones, obstacles and probes of a case on a terrain.",
+)
+def check(case: Path, overrides: tuple[str, ...], measure: bool, picture: Path | None) -> None:
     """Validate CASE and print a forecast of its run."""
     from debrisflow.case import load_case
     from debrisflow.run.forecast import forecast
@@ -152,6 +159,10 @@ def check(case: Path, overrides: tuple[str, ...], measure: bool) -> None:
 
         pace = measured_pace(checked)
     click.echo(forecast(checked, pace))
+    if picture is not None:
+        from debrisflow.results.maps.plan import draw_case
+
+        _print_files([draw_case(checked, picture)])
 
 
 @main.command()
@@ -256,10 +267,13 @@ def postprocess(
     from debrisflow.results import open_run
     from debrisflow.results.postprocess import postprocess
     from debrisflow.results.references import read_reference
-    from debrisflow.results.survey import survey
+    from debrisflow.results.survey import survey_of
 
     given = [read_reference(path) for path in references]
-    found = survey(open_run(folder), stations, window, times, smooth)
+    run = open_run(folder)
+    if surface:
+        run.walls()  # which a terrain does not have
+    found = survey_of(run, stations, window, times, smooth)
     written, messages = postprocess(found, given)
     if surface:
         from debrisflow.results.surface_files import write_surfaces
@@ -317,15 +331,15 @@ def report(
     from debrisflow.results import open_run
     from debrisflow.results.references import read_reference
     from debrisflow.results.report import report
-    from debrisflow.results.survey import survey
+    from debrisflow.results.survey import survey_of
     from debrisflow.results.terrain_report import terrain_report
+    from debrisflow.results.terrain_survey import TerrainSurvey
 
-    run = open_run(folder)
-    if run.case.is_terrain:
-        _print_files([terrain_report(run, language)])
-        return
     given = [read_reference(path) for path in references]
-    found = survey(run, stations, window, smoothing=smooth)
+    found = survey_of(open_run(folder), stations, window, smoothing=smooth)
+    if isinstance(found, TerrainSurvey):
+        _print_files([terrain_report(found, given, language)])
+        return
     _print_files([report(found, given, language)])
 
 
@@ -355,12 +369,12 @@ def compare(
     from debrisflow.results import open_run
     from debrisflow.results.compare import compare, table_lines
     from debrisflow.results.references import read_reference
-    from debrisflow.results.survey import survey
+    from debrisflow.results.survey import survey_of
 
     if len(folders) < 2:
         raise click.UsageError("two runs or more are needed to compare")
     given = [read_reference(path) for path in references]
-    found = [survey(open_run(f), stations, window, smoothing=smooth) for f in folders]
+    found = [survey_of(open_run(f), stations, window, smoothing=smooth) for f in folders]
     together, written = compare(found, output, given)
     for line in table_lines(together):
         click.echo(line)

@@ -8,6 +8,7 @@ from debrisflow.case import build_case
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.results.hazard import hazard_map, write_hazard
 from debrisflow.results.hazard_classes import read_classes
+from debrisflow.run.history import COLUMNS
 
 CRS = (
     'PROJCS["JGD2011 / Japan Plane Rectangular CS VIII",GEOGCS["JGD2011",DATUM["JGD2011",'
@@ -126,6 +127,13 @@ def write_ledger(folder: Path):
     head = "time,released,moving,at_rest,left,through_ground,volume_released"
     rows = ["0,1000,0,1000,0,0,2000", "90,1000,100,880,20,0,2000"]
     (folder / "ledger.csv").write_text("\n".join([head, *rows]) + "\n")
+
+
+def write_history(folder: Path):
+    """Write the totals at the start and at the end, of nothing."""
+    rows = [[time, *([0] * (len(COLUMNS) - 1))] for time in (0, 90)]
+    lines = [",".join(COLUMNS), *(",".join(map(str, row)) for row in rows)]
+    (folder / "history.csv").write_text("\n".join(lines) + "\n")
 
 
 def write_classes(folder: Path, table="japan"):

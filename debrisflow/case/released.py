@@ -141,6 +141,26 @@ def volume(release: AnyRelease) -> float:
     return (release.depth or 0.0) * area(release)
 
 
+def volume_until(release: HydrographRelease, time: float) -> float:
+    """Return the volume that a hydrograph has brought at a time, s, m3.
+
+    Between its rows the discharge is linear.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace as Table
+    >>> graph = Table(time=(0.0, 10.0, 20.0), discharge=(0.0, 4.0, 0.0))
+    >>> volume_until(Table(start=5.0, hydrograph=graph), 10.0)
+    5.0
+    """
+    graph, now = release.hydrograph, time - release.start
+    if isinstance(graph, str):
+        raise TypeError("the hydrograph is not read")
+    times, discharge = np.array(graph.time), np.array(graph.discharge)
+    ends = np.append(times[times < now], min(max(now, times[0]), times[-1]))
+    return float(np.trapezoid(np.interp(ends, times, discharge), ends))
+
+
 def entering_depth(release: HydrographRelease) -> float:
     """Return how deep a flow enters over its line at its greatest discharge, m."""
     if isinstance(release.line, str) or isinstance(release.hydrograph, str):

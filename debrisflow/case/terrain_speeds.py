@@ -6,6 +6,7 @@ from functools import lru_cache
 from math import cos, inf, log, radians, sin, sqrt, tan
 
 import numpy as np
+from numpy.typing import NDArray
 
 from debrisflow.case.friction import (
     CoulombFriction,
@@ -25,6 +26,8 @@ from debrisflow.case.releases import AnyRelease, HydrographRelease, Zone
 from debrisflow.case.tables import Gravity, Wall
 from debrisflow.case.terrain import Terrain
 
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 FREED = 4.0 / 9.0  # depth where a dam has broken, of that behind it
 STEEP = 90.0  # percentile of the slopes within reach
 LEAST_FRICTION = 0.05  # slope of the longest run-outs on record
@@ -58,7 +61,7 @@ def expected_speed(
         fastest = max(fastest, sqrt(2.0 * g * deepest))
         share = 1.0 - part.pore_pressure
         lines = [share * _sliding(law) for law in laws]
-        drop, slope = _reach(terrain, part, max(min(lines), LEAST_FRICTION))
+        drop, slope = _reach(terrain, part, _flattest(part, floor, zone))
         held = max(
             _held_speed(law, line, depth, slope, g) for law, line in zip(laws, lines, strict=True)
         )
@@ -105,6 +108,29 @@ def _held_speed(law: object, sliding: float, depth: float, slope: float, g: floa
     return inf
 
 
+def within_reach(
+    terrain: Terrain, release: tuple[AnyRelease, ...], zone: tuple[Zone, ...], floor: Wall
+) -> Bools:
+    """Return over which cells of a DEM the flow may come, (rows, columns).
+
+    Those below lines that fall from the places of the releases by the sliding friction.
+    """
+    levels = terrain.levels
+    found = np.zeros(levels.grid.shape, dtype=bool)
+    for part in release:
+        left = _energy_left(levels, part, _flattest(part, floor, zone))
+        if left is not None:
+            found |= left > 0.0
+    return found
+
+
+def _flattest(part: AnyRelease, floor: Wall, zone: tuple[Zone, ...]) -> float:
+    """Return the least fall of the energy line of a release."""
+    laws = [floor.friction, *(one.friction for one in zone)]
+    share = 1.0 - part.pore_pressure
+    return max(min(share * _sliding(law) for law in laws), LEAST_FRICTION)
+
+
 @lru_cache(maxsize=32)
 def _reach(terrain: Terrain, part: AnyRelease, line: float) -> tuple[float, float]:
     """Return the greatest drop of the energy line over ground, m, and the steep slope, rad.
@@ -116,24 +142,36 @@ def _reach(terrain: Terrain, part: AnyRelease, line: float) -> tuple[float, floa
     line : float
         Fall of the energy line.
     """
-    levels, grid = terrain.levels, terrain.levels.grid
-    x = grid.west + (np.arange(grid.columns) + 0.5) * grid.cell
-    y = grid.north - (np.arange(grid.rows) + 0.5) * grid.cell
-    start = _start(levels, part)
-    if start is None:
+    levels = terrain.levels
+    left = _energy_left(levels, part, line)
+    if left is None:
         return 0.0, 0.0
-    (west, south, east, north), top = start
-    beside = np.maximum(np.maximum(west - x, x - east), 0.0)
-    beyond = np.maximum(np.maximum(south - y, y - north), 0.0)
-    left = top - line * np.hypot(beside[None, :], beyond[:, None]) - levels.values
     within = left > 0.0
-    if not within.any() or min(grid.shape) < 2:
+    if not within.any() or min(levels.grid.shape) < 2:
         return 0.0, 0.0
-    down, along = np.gradient(levels.values, grid.cell)
+    down, along = np.gradient(levels.values, levels.grid.cell)
     slope = np.arctan(np.hypot(down, along))[within]
     slope = slope[np.isfinite(slope)]
     steep = float(np.percentile(slope, STEEP)) if len(slope) else 0.0
     return float(left[within].max()), steep
+
+
+def _energy_left(levels: Raster, part: AnyRelease, line: float) -> Floats | None:
+    """Return how far the energy line of a release lies over the cells, (rows, columns), m.
+
+    nan where there are no data; None if the release is off the DEM.
+    """
+    start = _start(levels, part)
+    if start is None:
+        return None
+    grid = levels.grid
+    x = grid.west + (np.arange(grid.columns) + 0.5) * grid.cell
+    y = grid.north - (np.arange(grid.rows) + 0.5) * grid.cell
+    (west, south, east, north), top = start
+    beside = np.maximum(np.maximum(west - x, x - east), 0.0)
+    beyond = np.maximum(np.maximum(south - y, y - north), 0.0)
+    found: Floats = top - line * np.hypot(beside[None, :], beyond[:, None]) - levels.values
+    return found
 
 
 def _start(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase
+from debrisflow.case.released import volume_until
 from debrisflow.case.resolved import ResolvedHydrographRelease, ResolvedRelease
 from debrisflow.particles.matter import (
     concentrations_of,
@@ -102,24 +103,6 @@ def _compression(group: Particles, above: Floats, case: ResolvedCase) -> Floats:
     gradient = max(-case.gravity.components[1], 0.0) / case.explicit_scheme.sound_speed**2
     found: Floats = gradient * group.density / reference_density(case) * above
     return found
-
-
-def volume_until(release: ResolvedHydrographRelease, time: float) -> float:
-    """Return the volume that a hydrograph has brought at a time, s, m3.
-
-    Between its rows the discharge is linear.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace as Table
-    >>> graph = Table(time=(0.0, 10.0, 20.0), discharge=(0.0, 4.0, 0.0))
-    >>> volume_until(Table(start=5.0, hydrograph=graph), 10.0)
-    5.0
-    """
-    graph, now = release.hydrograph, time - release.start
-    times, discharge = np.array(graph.time), np.array(graph.discharge)
-    ends = np.append(times[times < now], min(max(now, times[0]), times[-1]))
-    return float(np.trapezoid(np.interp(ends, times, discharge), ends))
 
 
 def _born(

@@ -2,68 +2,41 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
-from debrisflow.particles.maxima import has_risen
 from debrisflow.results.fronts import PHASE_WORDS
-from debrisflow.results.stations import VOLUME, flow_probes
-from debrisflow.results.survey import Survey
-from debrisflow.run.history import PER_WIDTH
-from debrisflow.run.tables import Table
+from debrisflow.results.shared_answers import Answer, at, budgets, greatest, sections
+from debrisflow.results.stations import VOLUME
+from debrisflow.results.survey import AnySurvey, Survey
+from debrisflow.results.terrain_answers import terrain_answers
+from debrisflow.results.terrain_survey import TerrainSurvey
 
-Floats = NDArray[np.float64]
-
-
-class Answer(NamedTuple):
-    """One figure.
-
-    Attributes
-    ----------
-    quantity : str
-    value : float
-        nan where the run has no answer.
-    unit : str
-    meaning : str
-    """
-
-    quantity: str
-    value: float
-    unit: str
-    meaning: str
-
-
-COLUMNS = Answer._fields
-HEAD = ("figures of the run; nan where it gives no answer",)
-SECTION_ARRIVAL = (
-    "first sample with more gone through than back, and, where fluid was, half a spacing deeper"
-)
 EXTENT = {2: ("length", "m"), 3: ("area", "m2")}
 
 
-def answers(found: Survey) -> list[Answer]:
+def answers(found: AnySurvey) -> list[Answer]:
     """Return the figures of a run."""
     return [row for rows in answers_by_heading(found).values() for row in rows]
 
 
-def answers_by_heading(found: Survey) -> dict[str, list[Answer]]:
+def answers_by_heading(found: AnySurvey) -> dict[str, list[Answer]]:
     """Return the figures of a run by the headings under which they stand in a report."""
+    if isinstance(found, TerrainSurvey):
+        return terrain_answers(found)
     return {
         "Run-out" if found.mobilities else "Motion": [*_motion(found), *_runout(found)],
         "Extent": _extent(found),
         "Deposit and erosion": _deposit(found) if found.has_grains else [],
-        "Sections": _sections(found),
-        "Budgets": _budgets(found),
+        "Sections": sections(found),
+        "Budgets": budgets(found),
     }
 
 
 def _motion(found: Survey) -> list[Answer]:
     front = found.fronts
     rows = [
-        Answer("last_frame_time", _at(front["time"], -1), "s", "up to which the run was measured"),
-        Answer("moving_share_end", _at(front["moving_share"], -1), "-", "of the volume, then"),
+        Answer("last_frame_time", at(front["time"], -1), "s", "up to which the run was measured"),
+        Answer("moving_share_end", at(front["moving_share"], -1), "-", "of the volume, then"),
         Answer(
             "rest_time", found.rest_time, "s", "from which on less than 1 % of the volume moves"
         ),
@@ -76,8 +49,8 @@ def _motion(found: Survey) -> list[Answer]:
 def _front_speed(found: Survey, phase: str, name: str) -> Answer:
     speeds = found.fronts[f"speed_{phase}"]
     whose = "" if phase == "all" else f" of the {PHASE_WORDS[phase]}"
-    greatest = _greatest(speeds[~np.isnan(speeds)])
-    return Answer(name, greatest, "m/s", f"of the front{whose}, between frames")
+    fastest = greatest(speeds[~np.isnan(speeds)])
+    return Answer(name, fastest, "m/s", f"of the front{whose}, between frames")
 
 
 def _runout(found: Survey) -> list[Answer]:
@@ -126,11 +99,11 @@ def _extent(found: Survey) -> list[Answer]:
             unit,
             "where it was ever more than half a spacing deeper than at first",
         ),
-        Answer("depth_greatest", _greatest(maxima["maximal_depth"]), "m", "flow height, ever"),
-        Answer("speed_greatest", _greatest(maxima["maximal_speed"]), "m/s", "depth mean, ever"),
+        Answer("depth_greatest", greatest(maxima["maximal_depth"]), "m", "flow height, ever"),
+        Answer("speed_greatest", greatest(maxima["maximal_speed"]), "m/s", "depth mean, ever"),
         Answer(
             "momentum_flux_greatest",
-            _greatest(maxima["maximal_momentum_flux"]),
+            greatest(maxima["maximal_momentum_flux"]),
             "N/m",
             "integral of density times speed squared over the depth, ever",
         ),
@@ -149,7 +122,7 @@ def _deposit(found: Survey) -> list[Answer]:
         Answer("deposit_sediment_volume", last.sediment_volume, volume, f"of grains, {when}"),
         Answer(
             "deposit_height_greatest",
-            _greatest(last.table["deposit_height"]),
+            greatest(last.table["deposit_height"]),
             "m",
             f"over the fixed floor {when}",
         ),
@@ -162,79 +135,3 @@ def _deposit(found: Survey) -> list[Answer]:
         Answer("eroded_volume", last.erosion, volume, f"lost where the bed lost, {bed}"),
         Answer("deposited_volume", last.deposition, volume, f"gained where it gained, {bed}"),
     ]
-
-
-def _sections(found: Survey) -> list[Answer]:
-    rows, case = [], found.run.case
-    for probe in flow_probes(case):
-        table = found.run.probe(probe.name)
-        where = f"{probe.type} at {probe.where()} m"
-        rows += _flow_figures(probe.name, table, where, found)
-        first = _section_arrival(table, case.particles.spacing)
-        rows.append(Answer(f"{probe.name}_arrival", first, "s", SECTION_ARRIVAL))
-    return rows
-
-
-def _section_arrival(table: Table, spacing: float) -> float:
-    """Return the first sample at which a flow has come to a section, s; nan if none has."""
-    arrived = table["volume"] > 0.0
-    if table["depth"].size and table["depth"][0] > 0.0:
-        arrived &= has_risen(table["depth"], table["depth"][0], spacing)
-    return float(table["time"][arrived][0]) if arrived.any() else np.nan
-
-
-def _flow_figures(name: str, table: Table, where: str, found: Survey) -> list[Answer]:
-    volume = VOLUME[found.run.case.dimension]
-    rate = {"": table["discharge"], "sediment_": table["sediment_discharge"]}
-    total = {"": table["volume"], "sediment_": table["sediment_volume"]}
-    rate["water_"], total["water_"] = (part[""] - part["sediment_"] for part in (rate, total))
-    peak = int(np.argmax(rate[""])) if rate[""].size else -1
-    rows = [Answer(f"{name}_peak_time", _at(table["time"], peak), "s", f"of all, {where}")]
-    kinds = [("", "in all")]
-    if found.has_grains:
-        kinds += [("sediment_", "of grains"), ("water_", "of water")]
-    for matter, meaning in kinds:
-        told = f"{meaning}, {where}"
-        greatest = _greatest(rate[matter])
-        rows += [
-            Answer(f"{name}_{matter}discharge_peak", greatest, f"{volume}/s", f"greatest {told}"),
-            Answer(f"{name}_{matter}volume", _at(total[matter], -1), volume, f"passed {told}"),
-        ]
-    return rows
-
-
-def _at(values: Floats, row: int) -> float:
-    return float(values[row]) if values.size else np.nan
-
-
-def _greatest(values: Floats) -> float:
-    return float(np.max(values)) if values.size else np.nan
-
-
-def _budgets(found: Survey) -> list[Answer]:
-    table, case = found.budget, found.run.case
-    if table["time"].size == 0:
-        return []
-    per = PER_WIDTH[case.dimension]
-    kilogram, joule = f"kg{per}", f"J{per}"
-    rows = []
-    for matter in ("water", "sediment") if found.has_grains else ("water",):
-        for way, meaning in (
-            ("in", "came in"),
-            ("out", "left"),
-            ("inside", "inside at the end"),
-            ("through_wall", "lost through walls"),
-        ):
-            value = _at(table[f"mass_{way}_{matter}"], -1)
-            rows.append(Answer(f"mass_{way}_{matter}", value, kilogram, f"{matter}, {meaning}"))
-        closure = float(np.abs(table[f"closure_{matter}"]).max())
-        rows.append(
-            Answer(f"mass_closure_{matter}", closure, kilogram, "greatest error of its balance")
-        )
-    kinetic = table["kinetic_energy"]
-    rows.append(Answer("kinetic_energy_greatest", float(kinetic.max()), joule, "of all matter"))
-    rows.append(Answer("kinetic_energy_end", _at(kinetic, -1), joule, "of all matter, at the end"))
-    bounced = found.run.summary.get("bounced_share")
-    if bounced is not None:
-        rows.append(Answer("bounced_share", bounced, "-", "of the particles, off walls in a step"))
-    return rows

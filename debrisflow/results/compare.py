@@ -14,10 +14,12 @@ from debrisflow.results import references
 from debrisflow.results.answers import answers, answers_by_heading
 from debrisflow.results.parameters import differences
 from debrisflow.results.plots.comparison import draw_comparison
+from debrisflow.results.plots.terrain import draw_terrain_comparison
 from debrisflow.results.references import RUN, Distance, Reference, distances, told_distance
 from debrisflow.results.station_figures import COLUMNS, unit_of
 from debrisflow.results.stations import VOLUME
-from debrisflow.results.survey import Survey
+from debrisflow.results.survey import AnySurvey, Survey
+from debrisflow.results.terrain_survey import TerrainSurvey
 from debrisflow.run.tables import Row, write_table
 
 ABSENT = "-"
@@ -52,14 +54,14 @@ class Comparison(NamedTuple):
 
 
 def compare(
-    found: Sequence[Survey], target: Path, given: Sequence[Reference] = ()
+    found: Sequence[AnySurvey], target: Path, given: Sequence[Reference] = ()
 ) -> tuple[Comparison, list[Path]]:
     """Compare runs and write tables and plots into a folder.
 
     Parameters
     ----------
-    found : sequence of Survey
-        Of two or more runs of the same dimension.
+    found : sequence of Survey or TerrainSurvey
+        Of two or more runs of the same dimension, all or none of them on a terrain.
     target : Path
     given : sequence of Reference
         Curves to compare all runs with.
@@ -73,11 +75,13 @@ def compare(
     Raises
     ------
     OutputError
-        If runs of two and of three dimensions meet, a reference fits no table of one of the runs,
-        or the folder cannot be written.
+        If runs of two and of three dimensions meet, or one on a terrain and another, a reference
+        fits no table of one of the runs, or the folder cannot be written.
     """
     if len({one.run.case.dimension for one in found}) > 1:
         raise OutputError("runs of two and of three dimensions cannot be compared")
+    if len({one.run.case.is_terrain for one in found}) > 1:
+        raise OutputError("a run on a terrain cannot be compared with one in a tank or a channel")
     names, found = _names(found), _evenly_smoothed(found)
     rows = differences([one.run.case for one in found])
     differing = [
@@ -109,14 +113,30 @@ def compare(
         f"{key}: " + ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
         for key, *values in differing
     ]
-    return together, [*files, *draw_comparison(found, names, given, titles, time, target)]
+    return together, [*files, *_draw(found, names, given, titles, time, target)]
 
 
-def _last(found: Survey) -> float:
+def _draw(
+    found: Sequence[AnySurvey],
+    names: Sequence[str],
+    given: Sequence[Reference],
+    titles: Sequence[str],
+    time: float,
+    target: Path,
+) -> list[Path]:
+    """Draw the plots of runs that are all of one kind."""
+    on_terrain = [one for one in found if isinstance(one, TerrainSurvey)]
+    if on_terrain:
+        return draw_terrain_comparison(on_terrain, names, given, titles, target)
+    others = [one for one in found if isinstance(one, Survey)]
+    return draw_comparison(others, names, given, titles, time, target)
+
+
+def _last(found: AnySurvey) -> float:
     return float(found.run.times[-1])
 
 
-def _names(found: Sequence[Survey]) -> list[str]:
+def _names(found: Sequence[AnySurvey]) -> list[str]:
     """Return the names of the folders, with the folder above where they are equal."""
     names = [one.run.name for one in found]
     if len(set(names)) == len(names):
@@ -128,7 +148,7 @@ def _names(found: Sequence[Survey]) -> list[str]:
     return [f"{number} {name}" for number, name in enumerate(names, start=1)]
 
 
-def _figures(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
+def _figures(found: Sequence[AnySurvey]) -> list[tuple[str, str, str, list[float]]]:
     known = [{row.quantity: row.value for row in answers(one)} for one in found]
     return [
         (heading, row.quantity, row.unit, [values[row.quantity] for values in known])
@@ -138,22 +158,23 @@ def _figures(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]
     ] + [*_stations(found), *_probes(found)]
 
 
-def _stations(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
+def _stations(found: Sequence[AnySurvey]) -> list[tuple[str, str, str, list[float]]]:
     """Return the figures of the stations that all runs have."""
     volume = VOLUME[found[0].run.case.dimension]
     rows = []
-    for x in found[0].stations:
-        if not all(x in one.stations for one in found):
+    known = [one for one in found if isinstance(one, Survey)]
+    for x in known[0].stations if known else ():
+        if not all(x in one.stations for one in known):
             continue
         for name in COLUMNS[1:]:
-            tables = (one.station_figures for one in found)
+            tables = (one.station_figures for one in known)
             values = [float(table[name][table["station"] == x][0]) for table in tables]
             if np.nan_to_num(values).any():
                 rows.append((STATIONS, f"at_{x:g}_m_{name}", unit_of(name, volume), values))
     return rows
 
 
-def _probes(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
+def _probes(found: Sequence[AnySurvey]) -> list[tuple[str, str, str, list[float]]]:
     """Return the figures of the curves of probes that all runs have."""
     known = [{(row.probe, row.column): row for row in one.probe_figures} for one in found]
     rows = []
@@ -168,7 +189,7 @@ def _probes(found: Sequence[Survey]) -> list[tuple[str, str, str, list[float]]]:
     return rows
 
 
-def _evenly_smoothed(found: Sequence[Survey]) -> list[Survey]:
+def _evenly_smoothed(found: Sequence[AnySurvey]) -> list[AnySurvey]:
     """Return surveys whose running means go over the same time: the longest of all, if none."""
     spans = [curve.span for one in found for curve in one.probe_curves]
     if not spans or found[0].smoothing is not None:

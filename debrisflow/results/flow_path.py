@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from debrisflow.case.rasters import MapGrid, Raster
+from debrisflow.errors import OutputError
+from debrisflow.results.layers import layer_names, read_layer
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -27,6 +30,28 @@ def centers(grid: MapGrid) -> tuple[Floats, Floats]:
     east = grid.west + (np.arange(grid.columns) + 0.5) * grid.cell
     north = grid.north - (np.arange(grid.rows) + 0.5) * grid.cell
     return np.asarray(east, dtype=float), np.asarray(north, dtype=float)
+
+
+def start_of_path(run: Path, grid: MapGrid) -> tuple[float, float]:
+    """Return the middle of what was released, or of the cells that the flow reached first.
+
+    Raises
+    ------
+    OutputError
+        If nothing was released at the start and the flow reaches no cell.
+    """
+    weight = np.zeros(grid.shape)
+    if "release" in layer_names(run):
+        weight = np.maximum(np.nan_to_num(read_layer(run, "release").values), 0.0)
+    if not weight.any():
+        arrival = read_layer(run, "arrival").values
+        if not np.isfinite(arrival).any():
+            raise OutputError(f"{run}: the flow reaches no cell of the map")
+        weight = (arrival == np.nanmin(arrival)).astype(float)
+    east, north = centers(grid)
+    x = float((weight.sum(axis=0) * east).sum() / weight.sum())
+    y = float((weight.sum(axis=1) * north).sum() / weight.sum())
+    return x, y
 
 
 def flow_path(terrain: Raster, x: float, y: float) -> shapely.LineString:

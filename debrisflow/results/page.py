@@ -146,10 +146,10 @@ def pictures(folder: Path) -> list[Picture]:
     return [picture(file) for file in files if file.stat().st_size <= LARGEST_PICTURE]
 
 
-def picture(file: Path) -> Picture:
-    """Return a picture with its words."""
+def picture(file: Path, known: Mapping[str, str] = DESCRIPTIONS) -> Picture:
+    """Return a picture with what it shows, of what is known by the names of files."""
     data = b64encode(file.read_bytes()).decode("ascii")
     name = file.stem.replace("_", " by ", 1) if file.parent.name == PICTURES else file.stem
     name = name.replace("_", " ")
     source = f"data:image/{file.suffix[1:]};base64,{data}"
-    return Picture(name, DESCRIPTIONS.get(file.stem, name), source)
+    return Picture(name, known.get(file.stem, name), source)

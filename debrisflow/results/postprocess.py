@@ -7,9 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from debrisflow.results import answers as figures
-from debrisflow.results import probe_curves, references, station_figures, stations
-from debrisflow.results.answers import Answer
+from debrisflow.results import (
+    probe_curves,
+    references,
+    shared_answers,
+    station_figures,
+    stations,
+    terrain_survey,
+)
+from debrisflow.results.answers import answers
 from debrisflow.results.budgets import budget_head, momentum_head
 from debrisflow.results.deposition import deposit_head, deposit_table
 from debrisflow.results.fronts import HEAD as FRONT_HEAD
@@ -21,29 +27,36 @@ from debrisflow.results.references import (
     distances_to_all,
     told_distance,
 )
-from debrisflow.results.survey import Survey
+from debrisflow.results.shared_answers import Answer
+from debrisflow.results.survey import AnySurvey, Survey
+from debrisflow.results.terrain_survey import TerrainSurvey
 from debrisflow.run.folder import POSTPROCESS
 from debrisflow.run.tables import Row, Table, write_table
 
 TOLD = {
     "moving_share_end",
     "front_farthest",
+    "reach",
+    "affected_area",
     "runout_length",
     "equivalent_friction",
     "water_front_farthest",
     "water_runout_length",
     "deposit_volume",
     "eroded_volume",
+    "volume_released",
+    "volume_left",
 }
+_Table = tuple[str, Sequence[str], Table]
 NO_RUNOUT = "no run-out: there was fluid over the whole length from the start"
 
 
-def postprocess(found: Survey, given: Sequence[Reference] = ()) -> tuple[list[Path], list[str]]:
+def postprocess(found: AnySurvey, given: Sequence[Reference] = ()) -> tuple[list[Path], list[str]]:
     """Write the tables and plots of a survey.
 
     Parameters
     ----------
-    found : Survey
+    found : Survey or TerrainSurvey
     given : sequence of Reference
         Curves to compare with, beside the dilatant profile.
 
@@ -60,14 +73,14 @@ def postprocess(found: Survey, given: Sequence[Reference] = ()) -> tuple[list[Pa
         If the folder cannot be written, or a reference fits no table of the run.
     """
     target = found.run.folder / POSTPROCESS
-    rows, measured = figures.answers(found), distances_to_all(found, given)
+    rows, measured = answers(found), distances_to_all(found, given)
     files = _write_tables(found, measured, rows, target)
     return [*files, *draw(found, given, measured, target)], _told(found, rows, measured)
 
 
-def _told(found: Survey, rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
+def _told(found: AnySurvey, rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
     """Return run-out, arrivals, stations and distances as lines."""
-    lines = [] if found.mobilities else [NO_RUNOUT]
+    lines = [] if found.mobility is not None else [NO_RUNOUT]
     for row in rows:
         if row.quantity.endswith("_arrival"):
             when = (
@@ -78,35 +91,24 @@ def _told(found: Survey, rows: Sequence[Answer], measured: Sequence[Distance]) -
             lines.append(f"section {row.quantity.removesuffix('_arrival')}: {when}")
         elif row.quantity in TOLD and not np.isnan(row.value):
             lines.append(f"{row.quantity} = {row.value:.4g} {row.unit}: {row.meaning}")
-    volume = stations.VOLUME[found.run.case.dimension]
-    lines += station_figures.table_lines(found.station_figures, volume)
+    if isinstance(found, Survey):
+        volume = stations.VOLUME[found.run.case.dimension]
+        lines += station_figures.table_lines(found.station_figures, volume)
     lines += [told_distance(one) for one in measured if one.points or one.reference != DILATANT]
     return lines
 
 
 def _write_tables(
-    found: Survey, measured: list[Distance], rows: list[Answer], target: Path
+    found: AnySurvey, measured: list[Distance], rows: list[Answer], target: Path
 ) -> list[Path]:
-    case, dimension = found.run.case, found.run.case.dimension
-    words = {
-        "up": stations.UP[dimension],
-        "across": stations.ACROSS[dimension],
-        "volume": stations.VOLUME[dimension],
-        "width": " over its wetted width" if dimension == 3 else "",
-    }
     start, end = found.window
     inside = stations.is_within(found.fronts["time"], found.window)
     window: dict[str, object] = {"frames": int(inside.sum()), "start": start, "end": end}
-    written: list[tuple[str, Sequence[str], Table]] = [
-        ("front", FRONT_HEAD, found.fronts),
-        ("profiles", _filled(stations.PROFILES_HEAD, words), found.profiles),
-        ("mean_profiles", _filled(stations.MEAN_HEAD, words | window), found.mean_profiles),
-        ("hydrographs", _filled(stations.HYDROGRAPH_HEAD, words), found.hydrographs),
-        ("stations", _filled(station_figures.HEAD, words), found.station_figures),
-        ("deposit_profile", deposit_head(dimension), deposit_table(case, found.deposits)),
-        ("budget", budget_head(dimension), found.budget),
-        ("momentum", momentum_head(dimension), found.momentum),
-    ]
+    written = (
+        _tables_of_terrain(found)
+        if isinstance(found, TerrainSurvey)
+        else _tables_along(found, window)
+    )
     paths = []
     for name, head, table in written:
         paths.append(target / f"{name}.csv")
@@ -114,7 +116,7 @@ def _write_tables(
         write_table(paths[-1], list(table), head, values)
     tables: list[tuple[str, Sequence[str], Sequence[str], Sequence[Row]]] = [
         ("distances", references.COLUMNS, references.HEAD, measured),
-        ("answers", figures.COLUMNS, figures.HEAD, rows),
+        ("answers", shared_answers.COLUMNS, shared_answers.HEAD, rows),
     ]
     if found.probe_curves:
         span = {"span": probe_curves.told_span(found.smoothing)}
@@ -124,6 +126,36 @@ def _write_tables(
         paths.append(target / f"{name}.csv")
         write_table(paths[-1], columns, head, lines)
     return paths
+
+
+def _tables_along(found: Survey, window: dict[str, object]) -> list[_Table]:
+    """Return the tables of a run in a tank or a channel, with names and heads."""
+    case, dimension = found.run.case, found.run.case.dimension
+    words: dict[str, object] = {
+        "up": stations.UP[dimension],
+        "across": stations.ACROSS[dimension],
+        "volume": stations.VOLUME[dimension],
+        "width": " over its wetted width" if dimension == 3 else "",
+    }
+    return [
+        ("front", FRONT_HEAD, found.fronts),
+        ("profiles", _filled(stations.PROFILES_HEAD, words), found.profiles),
+        ("mean_profiles", _filled(stations.MEAN_HEAD, words | window), found.mean_profiles),
+        ("hydrographs", _filled(stations.HYDROGRAPH_HEAD, words), found.hydrographs),
+        ("stations", _filled(station_figures.HEAD, words), found.station_figures),
+        ("deposit_profile", deposit_head(dimension), deposit_table(case, found.deposits)),
+        ("budget", budget_head(dimension), found.budget),
+        ("momentum", momentum_head(dimension), found.momentum),
+    ]
+
+
+def _tables_of_terrain(found: TerrainSurvey) -> list[_Table]:
+    """Return the tables of a run on a terrain, with names and heads."""
+    return [
+        ("front", terrain_survey.FRONT_HEAD, found.fronts),
+        ("path", terrain_survey.PATH_HEAD, found.profile),
+        ("budget", budget_head(found.run.case.dimension), found.budget),
+    ]
 
 
 def _filled(head: Iterable[str], words: Mapping[str, object]) -> list[str]:

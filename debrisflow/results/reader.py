@@ -21,12 +21,13 @@ from debrisflow.results.data_table import DataTable
 from debrisflow.results.frames import Frame, read_frame
 from debrisflow.results.grids import read_grid
 from debrisflow.results.surfaces import Surface, free_surface
-from debrisflow.run import deposit, history, maxima
+from debrisflow.run import deposit, history, ledger, maxima
 from debrisflow.run.folder import (
     CASE,
     DEPOSIT,
     FRAMES,
     HISTORY,
+    LEDGER,
     LOG,
     MAXIMA,
     PROBES,
@@ -129,7 +130,18 @@ class Run:
         return wall_particles(self.case)
 
     def walls(self, time: float = 0.0) -> Floats:
-        """Return places of particles by which the walls can be drawn at a time, s, (n, 3), m."""
+        """Return places of particles by which the walls can be drawn at a time, s, (n, 3), m.
+
+        Raises
+        ------
+        OutputError
+            On a terrain, whose ground is a smooth surface.
+        """
+        if self.case.is_terrain:
+            raise OutputError(
+                f"{self.folder} is a run on a terrain, of which no free surface can be drawn yet; "
+                "output.layer_interval keeps the depth at times as rasters"
+            )
         position = self._walls.position.copy()
         for number, way in trajectories(self.case).items():
             own = self._walls.wall == number
@@ -150,6 +162,12 @@ class Run:
         table = read_table(self.folder / HISTORY, needed=history.COLUMNS)
         rows = rows_where(table, table["time"] >= 0.0)
         return DataTable(rows, history.units(self.case.dimension))
+
+    @cached_property
+    def ledger(self) -> DataTable:
+        """Return ``ledger.csv`` of a run on a terrain: an array by column name, from t = 0 on."""
+        table = read_table(self.folder / LEDGER, needed=ledger.COLUMNS)
+        return DataTable(rows_where(table, table["time"] >= 0.0), ledger.UNITS)
 
     @cached_property
     def deposit(self) -> DataTable:

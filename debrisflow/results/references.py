@@ -13,7 +13,7 @@ from debrisflow.case.words import did_you_mean
 from debrisflow.errors import OutputError
 from debrisflow.results.deposition import Deposition, greatest_across
 from debrisflow.results.probe_curves import probe_curve
-from debrisflow.results.survey import Survey
+from debrisflow.results.survey import AnySurvey, Survey
 from debrisflow.run.tables import Table, read_table, rows_where
 
 Floats = NDArray[np.float64]
@@ -169,7 +169,7 @@ def read_reference(path: Path) -> Reference:
     return Reference(path.stem, names[0], table)
 
 
-def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Floats, Floats]]:
+def ours(found: AnySurvey, reference: Reference, curve: str) -> dict[str, tuple[Floats, Floats]]:
     """Return the curves of a run that belong to one of a reference, by what they are.
 
     Raises
@@ -180,7 +180,12 @@ def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Flo
     name = curve
     if reference.abscissa == "time" and curve not in found.fronts:
         return {RUN: _of_probe(found, reference, curve)}
-    if reference.abscissa == "time":
+    if not isinstance(found, Survey) and reference.abscissa != "time":
+        raise OutputError(
+            f"reference {reference.name}: a run on a terrain has curves over the time only, and "
+            f"not over {reference.abscissa}"
+        )
+    if not isinstance(found, Survey) or reference.abscissa == "time":
         tables = {RUN: found.fronts}
     elif reference.abscissa == "x":
         tables = {f"t = {found.deposits[-1].time:g} s": _along_x(found.deposits[-1])}
@@ -198,7 +203,7 @@ def ours(found: Survey, reference: Reference, curve: str) -> dict[str, tuple[Flo
     return {label: (part[reference.abscissa], part[name]) for label, part in tables.items()}
 
 
-def _of_probe(found: Survey, reference: Reference, curve: str) -> tuple[Floats, Floats]:
+def _of_probe(found: AnySurvey, reference: Reference, curve: str) -> tuple[Floats, Floats]:
     """Return the running mean of a probe by ``PROBE.COLUMN``."""
     known = [name for name in found.fronts if name != "time"]
     if "." not in curve:
@@ -236,7 +241,7 @@ def _by_station(found: Survey) -> dict[str, Table]:
     return parts
 
 
-def distances(found: Survey, reference: Reference) -> list[Distance]:
+def distances(found: AnySurvey, reference: Reference) -> list[Distance]:
     """Return how far the curves of a run are from those of a reference.
 
     At the points of the run within the range of the reference.  Of a normalized profile without the
@@ -302,8 +307,11 @@ def _share_in_band(x: Floats, values: Floats, reference: Reference, curve: str) 
     return float(np.mean((values[inside] >= low) & (values[inside] <= high)))
 
 
-def distances_to_all(found: Survey, given: Sequence[Reference]) -> list[Distance]:
-    """Return the distances to references, and where there are grains to the dilatant profile."""
-    has_grains = bool(found.mean_profiles["sediment_fraction"].any())
-    exact = (dilatant_profile(),) if has_grains else ()
+def distances_to_all(found: AnySurvey, given: Sequence[Reference]) -> list[Distance]:
+    """Return the distances to references, and where there are grains to the dilatant profile.
+
+    On a terrain to references only.
+    """
+    has_profile = isinstance(found, Survey) and found.mean_profiles["sediment_fraction"].any()
+    exact = (dilatant_profile(),) if has_profile else ()
     return [row for one in (*exact, *given) for row in distances(found, one)]

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from debrisflow.case.rasters import MapGrid, Raster, UnreadableRasterError, read_raster
 from debrisflow.case.reference_systems import differ
 from debrisflow.case.vectors import UnreadableVectorsError, read_polygons
-from debrisflow.errors import CaseError, OutputError
-from debrisflow.results.flow_path import along, centers, flow_path
-from debrisflow.results.layers import layer_names, read_layer
+from debrisflow.errors import CaseError
+from debrisflow.results.flow_path import along, centers, flow_path, start_of_path
+from debrisflow.results.layers import read_layer
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -178,8 +178,7 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
         raise CaseError(f"{file}: nothing of what was observed lies on the map of {run}")
     simulated = np.nan_to_num(depth.values) > threshold
     agreement = contingency(seen.reached, simulated, compared)
-    start = _start(run, grid)
-    path = flow_path(terrain, *start)
+    path = flow_path(terrain, *start_of_path(run, grid))
     rows = [
         Row("threshold", threshold, "m", "depth and change of elevation from which a cell counts"),
         *_extent_rows(agreement, _unknown(seen.change) & simulated & compared, grid),
@@ -271,22 +270,6 @@ def _cells(
     column[(column < 0) | (column >= grid.columns)] = grid.columns
     row[(row < 0) | (row >= grid.rows)] = grid.rows
     return column, row
-
-
-def _start(run: Path, grid: MapGrid) -> tuple[float, float]:
-    """Return the middle of what was released, or of the cells that the flow reached first."""
-    weight = np.zeros(grid.shape)
-    if "release" in layer_names(run):
-        weight = np.maximum(np.nan_to_num(read_layer(run, "release").values), 0.0)
-    if not weight.any():
-        arrival = read_layer(run, "arrival").values
-        if not np.isfinite(arrival).any():
-            raise OutputError(f"{run}: the flow reaches no cell of the map")
-        weight = (arrival == np.nanmin(arrival)).astype(float)
-    east, north = centers(grid)
-    x = float((weight.sum(axis=0) * east).sum() / weight.sum())
-    y = float((weight.sum(axis=1) * north).sum() / weight.sum())
-    return x, y
 
 
 def _unknown(change: Floats | None) -> Flags | np.bool_:

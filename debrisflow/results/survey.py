@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from debrisflow.errors import OutputError
 from debrisflow.particles.state import PHASES
-from debrisflow.results.budgets import budget_table, momentum_row, momentum_table
+from debrisflow.results.budgets import momentum_row, momentum_table
 from debrisflow.results.deposition import Deposition, deposition
 from debrisflow.results.frames import read_frame
 from debrisflow.results.fronts import (
@@ -24,7 +24,7 @@ from debrisflow.results.fronts import (
     source_of,
     start_of,
 )
-from debrisflow.results.probe_curves import ProbeCurve, ProbeFigures, probe_curves, probe_figures
+from debrisflow.results.measured import Measured, last_part
 from debrisflow.results.reader import BAR, Run
 from debrisflow.results.station_figures import station_figures
 from debrisflow.results.stations import (
@@ -35,58 +35,53 @@ from debrisflow.results.stations import (
     profile_columns,
     profile_rows,
 )
+from debrisflow.results.terrain_survey import TerrainSurvey, survey_terrain
 from debrisflow.run.bar import bar
 from debrisflow.run.measures import particle_volume
 from debrisflow.run.tables import Row, Table
 from debrisflow.space.plan_grid import floor_length
 
 Floats = NDArray[np.float64]
+STATIONS_REFUSED = (
+    "stations are places along x, and a flow on a terrain follows no axis: place probes, of the "
+    "types section, point or height, in the case instead"
+)
+TIMES_REFUSED = (
+    "deposits at times are of runs in a tank or a channel: on a terrain output.layer_interval "
+    "keeps the depth at times"
+)
 STATIONS = 7
-WINDOW_SHARE = 0.2
-REST_SHARE = 0.01
 
 
 @dataclass(frozen=True)
-class Survey:
-    """What was measured in the frames of a run.
+class Survey(Measured):
+    """What was measured in the frames of a run, beside what :class:`Measured` has.
 
     Attributes
     ----------
-    run : Run
     stations : tuple of float, m
         Of profiles and hydrographs.
-    window : (float, float), s
-        Over which profiles and samples of probes are averaged.
     chosen : bool
         Whether the stations were asked for, and so are averaged together too.
-    fronts, profiles, hydrographs, momentum : Table
+    profiles, hydrographs, momentum : Table
         As the tables of the same names.
     deposits : list of Deposition
         At the first frame, at chosen times and at the last frame.
     phases : tuple of str
         Kinds of fluid in the frames, of ``PHASES``.
-    has_grains : bool
-        Whether there is sediment in any of it.
     mobilities : dict of Mobility
         By phase, or of ``all``: the headline first, which is what carries grains where there is
         water too.  Empty where fluid was over the whole length from the start: none can run out.
-    smoothing : float, s, or None
-        Span of the running means of probes; ten intervals of each if None.
     """
 
-    run: Run
     stations: tuple[float, ...]
-    window: tuple[float, float]
     chosen: bool
-    fronts: Table
     profiles: Table
     hydrographs: Table
     momentum: Table
     deposits: list[Deposition]
     phases: tuple[str, ...]
-    has_grains: bool
     mobilities: dict[str, Mobility]
-    smoothing: float | None
 
     @property
     def headline(self) -> str:
@@ -104,16 +99,6 @@ class Survey:
         return station_figures(self.stations, self.phases, self.run.history, self.hydrographs)
 
     @cached_property
-    def probe_curves(self) -> list[ProbeCurve]:
-        """Return the curves of the probes, but those of sections."""
-        return probe_curves(self.run, self.smoothing)
-
-    @property
-    def probe_figures(self) -> list[ProbeFigures]:
-        """Return the figures of these curves."""
-        return probe_figures(self.probe_curves, self.window)
-
-    @cached_property
     def mean_profiles(self) -> Table:
         """Return the profiles averaged over the window, by station."""
         return mean_profiles(self.run.case, self.profiles, self.window)
@@ -123,18 +108,8 @@ class Survey:
         """Return the profile averaged over the window and the stations."""
         return mean_profiles(self.run.case, self.profiles, self.window, pooled=True)
 
-    @property
-    def rest_time(self) -> float:
-        """Return the time from which on less than 1 % of the volume moves, s; nan if none."""
-        moving = np.flatnonzero(self.fronts["moving_share"] >= REST_SHARE)
-        later = moving[-1] + 1 if moving.size else 0
-        time = self.fronts["time"]
-        return float(time[later]) if later < time.size else np.nan
 
-    @cached_property
-    def budget(self) -> Table:
-        """Return mass by matter and energies in time."""
-        return budget_table(self.run.case, self.run.history)
+AnySurvey = Survey | TerrainSurvey
 
 
 def survey(
@@ -163,17 +138,16 @@ def survey(
     ------
     OutputError
         If the run is on a terrain; if there are no frames, or one is missing or damaged; if a
-        station is outside the domain,
-        or no frame within the window or at a time.
+        station is outside the domain, or no frame within the window or at a time.
     """
     if run.case.is_terrain:
         raise OutputError(
-            f"{run.folder} is a run on a terrain, which has no stations along x; its layers are "
-            "drawn by debrisflow maps, and are in debrisflow report"
+            f"{run.folder} is a run on a terrain, which has no stations along x; it is measured by "
+            "survey_of"
         )
     case, at = run.case, run.times
     if window is None:
-        window = (float(at[-1] - WINDOW_SHARE * (at[-1] - at[0])), float(at[-1]))
+        window = last_part(at)
     places = tuple(dict.fromkeys(stations)) or tuple(
         k * floor_length(case) / (STATIONS + 1) for k in range(1, STATIONS + 1)
     )
@@ -245,3 +219,27 @@ def _gone(run: Run, time: float) -> tuple[float, float]:
 def _table(names: Sequence[str], rows: list[Row]) -> Table:
     columns = np.array(rows, dtype=float).reshape(len(rows), len(names)).T
     return dict(zip(names, columns, strict=True))
+
+
+def survey_of(
+    run: Run,
+    stations: Sequence[float] = (),
+    window: tuple[float, float] | None = None,
+    times: Sequence[float] = (),
+    smoothing: float | None = None,
+) -> AnySurvey:
+    """Return the survey of a run, by :func:`survey`, or of one on a terrain by its layers.
+
+    Raises
+    ------
+    OutputError
+        As :func:`survey`; if there are stations or times of deposits on a terrain, or its run has
+        not written its layers yet.
+    """
+    if not run.case.is_terrain:
+        return survey(run, stations, window, times, smoothing)
+    if stations:
+        raise OutputError(STATIONS_REFUSED)
+    if times:
+        raise OutputError(TIMES_REFUSED)
+    return survey_terrain(run, window, smoothing)

@@ -2,37 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from debrisflow.results.answers import Answer
 from debrisflow.results.hazard import class_names, read_class_map
-from debrisflow.results.layers import layer_file, read_layer
 from debrisflow.results.maps.layers import Layers
 from debrisflow.results.maps.web import web_map
 from debrisflow.results.page import Picture, as_it_stands, picture, warnings_of, write_page
+from debrisflow.results.plots import DESCRIPTIONS, ON_TERRAIN
+from debrisflow.results.postprocess import postprocess
+from debrisflow.results.probe_curves import told_span
 from debrisflow.results.reader import Run
+from debrisflow.results.references import Reference, distances_to_all
+from debrisflow.results.terrain_answers import terrain_answers
+from debrisflow.results.terrain_survey import TerrainSurvey
 from debrisflow.results.words import ENGLISH, Words
-from debrisflow.run.folder import LEDGER, MAPS
-from debrisflow.run.ledger import COLUMNS
-from debrisflow.run.tables import read_table
-
-GREATEST = {
-    "peak_depth": ("greatest flow depth", "m"),
-    "peak_speed": ("greatest flow speed", "m/s"),
-    "peak_momentum_flux": ("greatest momentum flux", "m³/s²"),
-    "peak_pressure": ("greatest dynamic pressure", "kPa"),
-    "deposit": ("greatest deposit thickness", "m"),
-    "arrival": ("latest arrival", "s"),
-}
-PARTS = {
-    "moving": "moving at the end",
-    "at_rest": "at rest at the end",
-    "left": "left over an edge of the terrain",
-    "through_ground": "lost through the ground",
-}
+from debrisflow.run.folder import MAPS
 
 
 class Area(NamedTuple):
@@ -52,8 +40,10 @@ class ClassAreas(NamedTuple):
     areas: list[Area]
 
 
-def terrain_report(run: Run, language: str = ENGLISH) -> Path:
-    """Write ``report.html`` of a run on a terrain, and return it.
+def terrain_report(
+    found: TerrainSurvey, given: Sequence[Reference] = (), language: str = ENGLISH
+) -> Path:
+    """Write tables, plots and ``report.html`` of a run on a terrain, and return the page.
 
     Pictures that ``debrisflow maps`` and ``debrisflow render`` have made before are on it.
 
@@ -62,78 +52,40 @@ def terrain_report(run: Run, language: str = ENGLISH) -> Path:
     OutputError
         If a table or a layer is missing or damaged, or the folder cannot be written.
     """
-    words = Words(language)
+    written, _ = postprocess(found, given)
+    words, run = Words(language), found.run
+    known = DESCRIPTIONS | ON_TERRAIN
     contents: dict[str, Any] = {
-        "warnings": warnings_of(run),
+        "warnings": _warnings(found),
         "map": web_map(run, words),
         "script": as_it_stands("map.js"),
         "style": as_it_stands("map.css"),
         "sheets": sheets(run),
-        "answers": {
-            "Volumes": volumes(run),
-            "Flow": flow_figures(run, words),
-            "Run-out": runout(run),
-        },
+        "answers": terrain_answers(found, words),
         "classes": [class_areas(run, name) for name in class_names(run.folder)],
+        "probes": found.probe_figures,
+        "span": told_span(found.smoothing),
+        "distances": [row for row in distances_to_all(found, given) if row.points],
+        "window": found.window,
+        "plots": [picture(file, known) for file in written if file.suffix == ".png"],
     }
     return write_page(run, "terrain.html", words, contents)
+
+
+def _warnings(found: TerrainSurvey) -> list[str]:
+    """Return what a reader of the page must know before its figures."""
+    told = warnings_of(found.run)
+    if found.mobility.bound:
+        told.append(f"the run-out is {found.mobility.bound}")
+    if found.ledger_error:
+        told.append(f"the ledger fails to add up by {found.ledger_error:g} particles")
+    return told
 
 
 def sheets(run: Run) -> list[Picture]:
     """Return the maps for print that there are, in the order of the layers."""
     files = [run.folder / MAPS / f"{name}.png" for name in Layers(run).names]
     return [picture(file) for file in files if file.is_file()]
-
-
-def volumes(run: Run) -> list[Answer]:
-    """Return the volumes of the ledger at the end of the results."""
-    table = read_table(run.folder / LEDGER, needed=COLUMNS)
-    last = {name: float(values[-1]) for name, values in table.items()}
-    each = last["volume_released"] / max(last["released"], 1.0)
-    rows = [Answer("released", last["volume_released"], "m³", "with pores, of the particles")]
-    return rows + [Answer(word, each * last[key], "m³", "") for key, word in PARTS.items()]
-
-
-def flow_figures(run: Run, words: Words) -> list[Answer]:
-    """Return the area that was reached, the extremes of the layers and the area of the deposit."""
-    depth = read_layer(run.folder, "peak_depth")
-    cell, least = depth.grid.cell**2, run.case.output.layer_depth
-    reached = cell * float(np.sum(depth.values >= least))
-    told = words("where the depth exceeded {least} m", least=f"{least:g}")
-    rows = [Answer("affected area", reached, "m²", told)]
-    for name, (word, unit) in GREATEST.items():
-        if layer_file(run.folder, name) is not None:
-            values = read_layer(run.folder, name).values
-            greatest = float(np.nanmax(values)) if np.isfinite(values).any() else np.nan
-            rows.append(Answer(word, greatest, unit, "of a cell"))
-    if layer_file(run.folder, "deposit") is not None:
-        area = cell * float(np.sum(read_layer(run.folder, "deposit").values >= least))
-        told = words("at rest and deeper than {least} m", least=f"{least:g}")
-        rows.append(Answer("deposit area", area, "m²", told))
-    return rows
-
-
-def runout(run: Run) -> list[Answer]:
-    """Return fall and distance from the highest released cell to the farthest that was reached."""
-    if layer_file(run.folder, "release") is None:
-        return []
-    terrain, release, depth = (
-        read_layer(run.folder, name) for name in ("terrain", "release", "peak_depth")
-    )
-    level = np.where(release.values > 0.0, terrain.values, np.nan)
-    reached = np.argwhere(depth.values >= run.case.output.layer_depth)
-    if not (np.isfinite(level).any() and reached.size):
-        return []
-    top = np.array(np.unravel_index(np.nanargmax(level), level.shape))
-    distance = terrain.grid.cell * np.linalg.norm(reached - top, axis=1)
-    end = tuple(reached[np.argmax(distance)])
-    length, fall = float(distance.max()), float(level[tuple(top)] - terrain.values[end])
-    told = "horizontal, from the highest released cell to the farthest reached one"
-    return [
-        Answer("travel distance", length, "m", f"L, {told}"),
-        Answer("fall height", fall, "m", "H, between these cells"),
-        Answer("equivalent friction", fall / length if length else np.nan, "", "H / L"),
-    ]
 
 
 def class_areas(run: Run, name: str) -> ClassAreas:

@@ -19,6 +19,12 @@ from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
 from debrisflow.particles.state import PHASES
+from debrisflow.run.ground_forecast import (
+    AT_START,
+    GroundForecast,
+    ground_forecast,
+    released_counts,
+)
 from debrisflow.run.pace import Pace
 from debrisflow.run.work import mean_number, speeds, step_at
 from debrisflow.space.encounters import encounters
@@ -72,7 +78,8 @@ class Forecast:
     Attributes
     ----------
     counts : dict of str to int
-        Particles by kind, without kinds that the case lacks.
+        Particles by kind, without kinds that the case lacks; on a terrain all that are released,
+        by when and how.
     rows : dict of str to int
         Rows of particles over the depths of blocks and supply, by their keys.
     lattice : Reference
@@ -101,6 +108,8 @@ class Forecast:
         What is doubtful about the case.
     rounded : list of Rounded
         What is built otherwise than asked.
+    ground : GroundForecast or None
+        On a terrain.
     """
 
     counts: dict[str, int]
@@ -121,6 +130,7 @@ class Forecast:
     poor: dict[str, list[str]]
     doubts: list[str]
     rounded: list[Rounded]
+    ground: GroundForecast | None = None
 
     @property
     def wall_time(self) -> tuple[float, float] | None:
@@ -148,6 +158,7 @@ class Forecast:
             [
                 f"particles      {sum(self.counts.values()):,}: {kinds}",
                 *([f"rows           over depths, {rows}"] if rows else []),
+                *([str(self.ground)] if self.ground else []),
                 f"lattice        n0 = {lattice.number_density:.4f}, "
                 f"lambda = {lattice.laplacian_lambda:.4g} m2, {lattice.neighbors} neighbors"
                 + warning,
@@ -212,7 +223,10 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
     released = case.release, case.gravity
     first, smallest = step_at(case, given), step_at(case, speed)
     whole = case.time.end + case.time.settling
-    counts = _counts(case)
+    is_terrain = isinstance(case.geometry, ResolvedTerrain)
+    counts = released_counts(case) if is_terrain else _counts(case)
+    at_start = (AT_START,) if is_terrain else PHASES
+    fluid = mean_number(case, sum(counts.get(name, 0) for name in at_start))
     frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
     return Forecast(
         counts=counts,
@@ -221,18 +235,19 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
         first_step=first,
         smallest_step=smallest,
         largest_speed=speed,
-        by="friction at most" if isinstance(case.geometry, ResolvedTerrain) else "free fall",
+        by="friction at most" if is_terrain else "free fall",
         fewest_steps=ceil(whole / first),
         steps=ceil(whole / smallest),
-        fluid=mean_number(case, sum(counts.get(name, 0) for name in PHASES)),
+        fluid=fluid,
         pace=pace,
         memory=particle_estimate(case)["memory"],
-        disk=float(frames * sum(counts.values()) * BYTES_ON_DISK),
+        disk=float(frames * (fluid if is_terrain else sum(counts.values())) * BYTES_ON_DISK),
         frames=frames,
         sound=_sound(case, speed, max(fall_speed(*space), collapse_speed(*released))),
         poor=_poor(case),
         doubts=[*doubts(case), *encounters(case)],
         rounded=differences(case),
+        ground=ground_forecast(case) if is_terrain else None,
     )
 
 

@@ -12,6 +12,9 @@ from debrisflow.run.measures import particle_volume
 from debrisflow.run.tables import Row, Series
 
 COLUMNS = ("time", "released", "moving", "at_rest", "left", "through_ground", "volume_released")
+UNITS = {"time": "s", "volume_released": "m3"}
+PLACES = ("moving", "at_rest", "left", "through_ground")
+"""Where what was released is."""
 HEAD = (
     "time: s",
     "released: particles since the start; released = moving + at_rest + left + through_ground",

@@ -9,6 +9,7 @@ from typing import Any
 from debrisflow._jit import THREADING_LAYER
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import PHASES, State
+from debrisflow.run import ledger
 from debrisflow.run.measures import energies, particle_volume
 from debrisflow.run.progress import COMPILING, Progress
 
@@ -63,11 +64,20 @@ def summary(
         "sediment_volume": {
             way: float(sediment.sum()) * volume for way, (_, sediment) in ways.items()
         },
+        **_ledger(case, state),
         **_energy(case, state),
         **_guard(case, state),
         "versions": {"python": platform.python_version()}
         | {name: version(name) for name in ("debrisflow", "numpy", "numba", "scipy")},
     }
+
+
+def _ledger(case: ResolvedCase, state: State) -> dict[str, dict[str, float]]:
+    """Return what was released on a terrain and where it is, as the last row of the ledger."""
+    if not case.is_terrain:
+        return {}
+    row = dict(zip(ledger.COLUMNS, ledger.ledger_row(case, state), strict=True))
+    return {"ledger": {name: float(row[name]) for name in ledger.COLUMNS[1:]}}
 
 
 def _energy(case: ResolvedCase, state: State) -> dict[str, float]:

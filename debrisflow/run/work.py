@@ -9,6 +9,7 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.case.estimate import particle_estimate
+from debrisflow.case.released import volume
 from debrisflow.case.resolved import (
     ResolvedExplicitScheme,
     ResolvedHydrographRelease,
@@ -82,6 +83,9 @@ def mean_number(case: ResolvedCase, fluid: float) -> float:
     times = np.linspace(0.0, case.time.end, 201)
     rate = np.array([growth(case, time) for time in times])
     come = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(times))])
+    for part in case.release:
+        if part.start > 0.0 and not isinstance(part, ResolvedHydrographRelease):
+            come += np.where(times >= part.start, volume(part) / case.particles.spacing**3, 0.0)
     return fluid + float(np.minimum(come, particle_estimate(case)["inflow"]).mean())
 
 

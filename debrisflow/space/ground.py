@@ -7,6 +7,7 @@ terrain lower it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -44,17 +45,32 @@ class Surface(NamedTuple):
 
     def level_and_slope(self, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
         """Return level, m, and slope along x and y at places, arrays of one shape."""
-        i, (p, dp) = _cell_and_basis(x, self.width)
-        j, (q, dq) = _cell_and_basis(y, self.width)
-        z, zx, zy = np.zeros((3, *np.broadcast(x, y).shape))
+        z, along, across = self._derivatives(x, y, ((0, 0), (1, 0), (0, 1)))
+        return z, along, across
+
+    def mean_curvature(self, x: Floats, y: Floats) -> Floats:
+        """Return the mean curvature at places, 1/m, positive in a valley."""
+        orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+        zx, zy, zxx, zxy, zyy = self._derivatives(x, y, orders)
+        bent = (1.0 + zy**2) * zxx - 2.0 * zx * zy * zxy + (1.0 + zx**2) * zyy
+        return np.asarray(0.5 * bent / (1.0 + zx**2 + zy**2) ** 1.5)
+
+    def _derivatives(
+        self, x: Floats, y: Floats, orders: Sequence[tuple[int, int]]
+    ) -> tuple[Floats, ...]:
+        """Return derivatives of the level at places, each so often along x and along y."""
+        i, p = _cell_and_bases(x, self.width)
+        j, q = _cell_and_bases(y, self.width)
+        found = np.zeros((len(orders), *np.broadcast(x, y).shape))
         for k, m in np.ndindex(3, 3):
             rows = _mirrored(i + k - 1, self.coefficients.shape[0])
             columns = _mirrored(j + m - 1, self.coefficients.shape[1])
             c = self.coefficients[rows, columns]
-            z += c * p[k] * q[m]
-            zx += c * dp[k] * q[m]
-            zy += c * p[k] * dq[m]
-        return z, zx / self.width, zy / self.width
+            for sums, (a, b) in zip(found, orders, strict=True):
+                sums += c * p[a][k] * q[b][m]
+        return tuple(
+            sums / self.width ** (a + b) for sums, (a, b) in zip(found, orders, strict=True)
+        )
 
 
 class Ground(NamedTuple):
@@ -123,15 +139,16 @@ def smooth_surface(levels: Floats, cell: float, width: float) -> Surface:
     return Surface(width, np.ascontiguousarray(coefficients))
 
 
-def _cell_and_basis(
+def _cell_and_bases(
     place: Floats, width: float
-) -> tuple[NDArray[np.int64], tuple[tuple[Floats, ...], tuple[Floats, ...]]]:
-    """Return the cells of places along an axis, and the splines around them with their slopes."""
+) -> tuple[NDArray[np.int64], tuple[tuple[Floats, ...], ...]]:
+    """Return the cells of places along an axis, and the splines around them with derivatives."""
     at = np.asarray(place) / width - 0.5
     cell = np.floor(at + 0.5).astype(np.int64)
     t = at - cell
     basis = 0.5 * (0.5 - t) ** 2, 0.75 - t * t, 0.5 * (0.5 + t) ** 2
-    return cell, (basis, (t - 0.5, -2.0 * t, t + 0.5))
+    one = np.ones_like(t)
+    return cell, (basis, (t - 0.5, -2.0 * t, t + 0.5), (one, -2.0 * one, one))
 
 
 def _mirrored(k: NDArray[np.int64], count: int) -> NDArray[np.int64]:

@@ -15,6 +15,9 @@ from debrisflow._jit import set_threads
 from debrisflow.case import ResolvedCase, build_case
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.particles.start import initial_state
+from debrisflow.results import open_run
+from debrisflow.results.answers import answers
+from debrisflow.results.terrain_survey import survey_terrain
 from debrisflow.run import loop
 from debrisflow.run.tables import read_table
 from debrisflow.schemes.choice import scheme_of
@@ -102,6 +105,13 @@ def test_what_passes_an_edge_or_a_gap_has_left(build: Build, tmp_path: Path) -> 
     assert ledger["through_ground"][-1] == 0
     assert ledger["left"][-1] > 50
     assert sum(figures["left"].values()) == ledger["left"][-1]
+    assert figures["ledger"] == {name: ledger[name][-1] for name in ledger if name != "time"}
+    found = survey_terrain(open_run(tmp_path / "run"))
+    told = {row.quantity: row.value for row in answers(found)}
+    assert told["ledger_error"] == 0.0
+    assert told["volume_left"] == ledger["left"][-1]
+    assert told["mass_closure_water"] == pytest.approx(0.0, abs=1e-6 * told["mass_in_water"])
+    assert found.mobility.bound == "a lower bound: some of it left over an edge of the DEM"
     with rasterio.open(tmp_path / "run" / "layers" / "peak_depth.tif") as file:
         assert np.all(file.read(1)[:, 41:] == file.nodata)  # no map where there is no level
 

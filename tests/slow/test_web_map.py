@@ -7,8 +7,17 @@ from playwright.sync_api import expect, sync_playwright
 
 from debrisflow.results import open_run
 from debrisflow.results.terrain_report import terrain_report
-from tests.building import tank3d_case
-from tests.fan import GRID, layers, terrain, write_frames, write_layers, write_ledger
+from debrisflow.results.terrain_survey import survey_terrain
+from tests.fan import (
+    GRID,
+    fan_case,
+    layers,
+    terrain,
+    write_frames,
+    write_history,
+    write_layers,
+    write_ledger,
+)
 from tests.slow.test_render import written
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -27,35 +36,31 @@ QUIET = (
 TITLE = '<script>alert(1)</script> & </title> "fan"'
 
 
-# the origin of the case's coordinates, where its probes stand, lies on the fan
-NEAR = GRID._replace(west=-225.0, south=-180.0)
+# a place on the fan
+EAST, NORTH = GRID.west + 225.0, GRID.south + 180.0
 
 
 @pytest.fixture(scope="module")
 def page_file(tmp_path_factory):
     """Return the report of a run with layers, frames of depth, a point and a section."""
-    water = {
-        "type": "block",
-        "x": [0.0, 0.3],
-        "y": [0.0, 0.6],
-        "z": [0.0, 0.5],
-        "material": "water",
-    }
+    place = {"x": EAST + 0.4, "y": NORTH + 0.3, "z": 401.0}
     probes = [
-        {"name": "sensor", "type": "point", "x": 0.4, "y": 0.3, "z": 0.1, "interval": 0.1},
-        {"name": "dam", "type": "section", "x": 0.5, "interval": 0.1},
+        {"name": "sensor", "type": "point", "interval": 0.1} | place,
+        {"name": "dam", "type": "section", "x": EAST + 0.5, "interval": 0.1},
     ]
-    case = tank3d_case(fill=[water], probe=probes).model_copy(update={"title": TITLE})
-    folder = written(tmp_path_factory.mktemp("web") / "fan", case)
-    samples = "time,vx,vy,vz,pressure,concentration\n0,1,0,0,5,0.2\n10,2,0,0,nan,0.2\n"
+    root = tmp_path_factory.mktemp("web")
+    folder = written(root / "fan", fan_case(root, probe=probes, title=TITLE))
+    samples = "time,velocity_x,velocity_y,velocity_z,pressure,concentration,wet\n"
+    samples += "0,1,0,0,5,0.2,1\n10,2,0,0,nan,0.2,1\n"
     (folder / "probes" / "sensor.csv").write_text(samples)
     section = "time,discharge,sediment_discharge,concentration,speed,depth,width,volume,"
     section += "sediment_volume\n0,0,0,nan,nan,0,0,0,0\n10,3,1,0.3,2,0.5,3,9,3\n"
     (folder / "probes" / "dam.csv").write_text(section)
-    write_layers(folder, NEAR)
-    write_frames(folder, NEAR)
+    write_layers(folder)
+    write_frames(folder)
+    write_history(folder)
     write_ledger(folder)
-    return terrain_report(open_run(folder))
+    return terrain_report(survey_terrain(open_run(folder)))
 
 
 @pytest.fixture(scope="module")
@@ -109,8 +114,8 @@ def test_a_title_is_text(page):
 
 def test_the_value_under_the_cursor_is_that_of_the_layer(page):
     row, column = 90, 45
-    east = NEAR.west + NEAR.cell * (column + 0.5)
-    north = NEAR.north - NEAR.cell * (row + 0.5)
+    east = GRID.west + GRID.cell * (column + 0.5)
+    north = GRID.north - GRID.cell * (row + 0.5)
     page.mouse.move(*on_map(page, east, north))
     told = page.locator("[data-part=readout]").text_content()
     depth = layers()["peak_depth"][row, column]
@@ -125,7 +130,7 @@ def test_layers_opacity_and_zoom_change_what_is_drawn(page):
     seen.add(drawn(page))
     page.locator("[data-part=opacity]").fill("30")
     seen.add(drawn(page))
-    page.mouse.move(*on_map(page, 0.0, 0.0))
+    page.mouse.move(*on_map(page, EAST, NORTH))
     page.mouse.wheel(0.0, -200.0)
     page.wait_for_timeout(100)
     seen.add(drawn(page))
@@ -148,17 +153,17 @@ def test_the_slider_goes_through_the_times(page):
 
 
 def test_a_click_shows_values_and_their_course(page):
-    page.mouse.click(*on_map(page, 25.0, -30.0))
+    page.mouse.click(*on_map(page, EAST + 25.0, NORTH - 30.0))
     told = page.locator("[data-part=picked]")
     assert "Deposit thickness" in told.text_content()
     assert told.locator("svg").count() == 1  # the depth over the time
 
 
 def test_a_click_on_a_probe_shows_its_curves(page):
-    page.mouse.click(*on_map(page, 0.4, 0.3))
+    page.mouse.click(*on_map(page, EAST + 0.4, NORTH + 0.3))
     told = page.locator("[data-part=picked]")
     assert told.locator("strong").text_content() == "sensor"
     assert "pressure, Pa" in told.text_content()
-    page.mouse.click(*on_map(page, 0.5, 100.0))
+    page.mouse.click(*on_map(page, EAST + 0.5, NORTH + 100.0))
     assert told.locator("strong").text_content() == "dam"
     assert "discharge, m3/s" in told.text_content()

@@ -23,6 +23,7 @@ HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.8, foreground="white")]
 # right and up; of corners that are equally free the first is taken
 CORNERS = ((0, 0), (1, 0), (0, 1), (1, 1))
 INK = "#222222"
+AT_CORNER = 0.03  # of the height of a map, where a label would touch that of the other axis
 
 
 def crs_name(crs: str) -> str:
@@ -67,7 +68,11 @@ def draw_frame(axes: Axes, grid: MapGrid, words: Words) -> None:
     step = round_length(shorter / INTERVALS * 1.3)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MultipleLocator(step))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: grouped(value)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: grouped(value)))
+    ends, corner = (grid.south, grid.north), AT_CORNER * (grid.north - grid.south)
+    axes.yaxis.set_major_formatter(
+        FuncFormatter(lambda value, _: grouped(value) if _is_within(value, ends, corner) else "")
+    )
     axes.tick_params(
         labelsize=6.5, length=3, top=True, right=True, direction="out", color=INK, pad=2
     )
@@ -78,6 +83,11 @@ def draw_frame(axes: Axes, grid: MapGrid, words: Words) -> None:
     name = crs_name(grid.crs) or words("coordinate system not stated")
     axes.set_xlabel(words("Easting, m ({crs})", crs=name), fontsize=7)
     axes.set_ylabel(words("Northing, m"), fontsize=7)
+
+
+def _is_within(value: float, ends: tuple[float, float], margin: float) -> bool:
+    """Return whether a value is farther than a margin from both ends of an interval."""
+    return ends[0] + margin < value < ends[1] - margin
 
 
 def emptiest_corner(covered: NDArray[np.bool_], share: tuple[float, float]) -> tuple[int, int]:

@@ -46,7 +46,7 @@ def draw_maps(
     """
     layers = Layers(run)
     chosen = [layers.layer(name) for name in names or layers.names]
-    ground = Ground(layers.terrain, layers.release, structures(run))
+    ground = Ground(layers.terrain, layers.release, structures(run.case))
     drawn, messages = drawable(words)
     files = []
     with styled(drawn):

@@ -94,8 +94,8 @@ def draw_map(ground: Ground, layer: Layer, text: Text, words: Words) -> Figure:
     text : Text
     words : Words
     """
-    figure, axes, size = _figure(ground.grid, text)
-    levels = _draw_relief(axes, ground.terrain)
+    figure, axes, size = figure_of(ground.grid, text)
+    levels = draw_relief(axes, ground.terrain)
     _draw_layer(axes, ground.grid, layer)
     released = ground.release is not None and bool(np.isfinite(ground.release).any())
     _draw_outline(axes, ground.grid, np.isfinite(layer.values), INK, 0.5)
@@ -103,7 +103,7 @@ def draw_map(ground: Ground, layer: Layer, text: Text, words: Words) -> Figure:
         for color, width in (("white", 2.6), (RELEASE, 1.4)):
             _draw_outline(axes, ground.grid, np.isfinite(ground.release), color, width)
     for name, rings in ground.structures.items():
-        _draw_structure(axes, name, rings)
+        draw_structure(axes, name, rings)
     draw_frame(axes, ground.grid, words)
     draw_scale_and_north(axes, ground.grid, size, np.isfinite(layer.values), words)
     _draw_key(figure, axes, layer, words)
@@ -111,7 +111,7 @@ def draw_map(ground: Ground, layer: Layer, text: Text, words: Words) -> Figure:
     return figure
 
 
-def _figure(grid: MapGrid, text: Text) -> tuple[Figure, Axes, tuple[float, float]]:
+def figure_of(grid: MapGrid, text: Text) -> tuple[Figure, Axes, tuple[float, float]]:
     """Return a figure with its texts, the axes of the map and their size, inch."""
     ratio = (grid.north - grid.south) / (grid.east - grid.west)
     width = min(WIDEST, TALLEST / ratio)
@@ -135,7 +135,7 @@ def _extent(grid: MapGrid) -> tuple[float, float, float, float]:
     return grid.west, grid.east, grid.south, grid.north
 
 
-def _draw_relief(axes: Axes, terrain: Raster) -> Contours:
+def draw_relief(axes: Axes, terrain: Raster) -> Contours:
     """Draw hillshade and contours, and return the elevations of these."""
     grid, found = terrain.grid, contours(terrain)
     axes.imshow(
@@ -213,7 +213,7 @@ def _draw_outline(
     )
 
 
-def _draw_structure(axes: Axes, name: str, rings: Sequence[Floats]) -> None:
+def draw_structure(axes: Axes, name: str, rings: Sequence[Floats]) -> None:
     """Draw a structure with its name."""
     for ring in rings:
         axes.add_patch(Polygon(ring, facecolor="white", edgecolor=INK, linewidth=1.0, zorder=7))
@@ -255,7 +255,9 @@ def _draw_key(figure: Figure, axes: Axes, layer: Layer, words: Words) -> None:
         patches = [
             Patch(facecolor=c, edgecolor=INK, label=n) for c, n in zip(over, names, strict=True)
         ]
-        _legend(figure, patches[::-1], (left + width + 0.1 / whole, bottom + height), "upper left")
+        draw_legend(
+            figure, patches[::-1], (left + width + 0.1 / whole, bottom + height), "upper left"
+        )
         return
     high = min(0.6 * height, 3.2 / tall)
     place = (left + width + 0.2 / whole, bottom + height - high, 0.16 / whole, high)
@@ -277,9 +279,10 @@ def _colors(colors: Sequence[Any], count: int) -> Colormap:
     return ListedColormap(colors[:count]).with_extremes(over=colors[-1])
 
 
-def _legend(
+def draw_legend(
     figure: Figure, handles: Sequence[Artist], place: tuple[float, float], corner: str
 ) -> None:
+    """Draw a key with a corner at a place of the figure."""
     how: Any = {"handlelength": 1.4, "borderaxespad": 0.0, "labelspacing": 0.8, "fontsize": 7}
     how |= {"loc": corner, "bbox_to_anchor": place, "frameon": False}
     figure.legend(handles=handles, **how)
@@ -299,4 +302,4 @@ def _draw_signs(figure: Figure, axes: Axes, levels: Contours, released: bool, wo
     handles: list[Artist] = [Line2D([], [], color=CONTOUR, linewidth=0.7, label=told)]
     if released:
         handles.append(Line2D([], [], color=RELEASE, linewidth=1.4, label=words("release")))
-    _legend(figure, handles, (left + width + 0.1 / whole, bottom), "lower left")
+    draw_legend(figure, handles, (left + width + 0.1 / whole, bottom), "lower left")

@@ -6,23 +6,23 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from debrisflow.results.reader import Run
+from debrisflow.case import ResolvedCase
 from debrisflow.space.scene import obstacle_faces
 
 Floats = NDArray[np.float64]
 
 
-def structures(run: Run) -> dict[str, list[Floats]]:
-    """Return the outlines of the obstacles of a run in plan by their names.
+def structures(case: ResolvedCase) -> dict[str, list[Floats]]:
+    """Return the outlines of the obstacles of a case in plan by their names.
 
     Returns
     -------
     dict of str to list of (n, 2) float64 array, m
         Places on the map, the last that of the first; at the start, if an obstacle moves.
     """
-    origin = getattr(run.case.geometry, "origin", None) or (0.0, 0.0, 0.0)
+    origin = getattr(case.geometry, "origin", None) or (0.0, 0.0, 0.0)
     found = {}
-    for part, faces in zip(run.case.obstacle, obstacle_faces(run.case), strict=True):
+    for part, faces in zip(case.obstacle, obstacle_faces(case), strict=True):
         rings = outlines(faces)
         found[part.name] = [ring + np.array(origin[:2]) for ring in rings]
     return found

@@ -66,7 +66,7 @@ def web_map(run: Run, words: Words) -> dict[str, Any]:
         "places": places(run, grid, words),
         "structures": [
             {"name": name, "rings": [in_cells(terrain, ring).tolist() for ring in rings]}
-            for name, rings in structures(run).items()
+            for name, rings in structures(run.case).items()
         ],
         "release": [],
     }

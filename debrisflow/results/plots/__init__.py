@@ -18,9 +18,11 @@ from debrisflow.results.plots.fields import grid_figure, line_figure
 from debrisflow.results.plots.maps import deposit_figure, flow_figure, maxima_figure
 from debrisflow.results.plots.probes import curves_to_draw, probe_figure
 from debrisflow.results.plots.style import caption, save, styled
+from debrisflow.results.plots.terrain import terrain_figures
 from debrisflow.results.probe_curves import told_span
 from debrisflow.results.references import Distance, Reference
-from debrisflow.results.survey import Survey
+from debrisflow.results.survey import AnySurvey, Survey
+from debrisflow.results.terrain_survey import TerrainSurvey
 
 DESCRIPTIONS = {
     "front": "How far the flow has reached, by phase, and the speed of its front.",
@@ -38,10 +40,17 @@ DESCRIPTIONS = {
     "maxima": "Greatest depth and speed, and when the flow arrived.",
     "budget": "Mass by matter and the error of its balance, energies, and forces along x.",
 }
+ON_TERRAIN = {
+    "front": "How far the flow has reached, its speed and the area that it has covered.",
+    "path": "Terrain, greatest values, arrival and width along the flow path.",
+    "ledger": "Where what was released is, in time.",
+    "hydrographs": "What went through the sections.",
+    "budget": "Mass by matter and the error of its balance, and energies.",
+}
 
 
 def draw(
-    found: Survey, given: Sequence[Reference], measured: Sequence[Distance], target: Path
+    found: AnySurvey, given: Sequence[Reference], measured: Sequence[Distance], target: Path
 ) -> list[Path]:
     """Draw the plots of a run in which there is something to see, and return their files.
 
@@ -55,7 +64,7 @@ def draw(
             for name, (title, figure) in figures.items()
             if figure is not None
         ]
-    for name in DESCRIPTIONS:
+    for name in DESCRIPTIONS | ON_TERRAIN:
         file = target / f"{name}.png"
         if file not in files:
             file.unlink(missing_ok=True)
@@ -63,9 +72,26 @@ def draw(
 
 
 def _figures(
-    found: Survey, given: Sequence[Reference], measured: Sequence[Distance]
+    found: AnySurvey, given: Sequence[Reference], measured: Sequence[Distance]
 ) -> dict[str, tuple[str, Figure | None]]:
     """Return title and figure by name; None where there is nothing to show."""
+    if isinstance(found, TerrainSurvey):
+        figures = terrain_figures(found, given)
+    else:
+        figures = _figures_along(found, given, measured)
+    if curves := curves_to_draw(found, given):
+        span = told_span(found.smoothing)
+        title = f"Probes: samples, and means over {span}"
+        figures["probes"] = (title, probe_figure(curves, given))
+    figures["lines"] = ("Probes along lines, over the time", line_figure(found.run))
+    figures["grids"] = ("Probes on grids, at the last time", grid_figure(found.run))
+    return figures
+
+
+def _figures_along(
+    found: Survey, given: Sequence[Reference], measured: Sequence[Distance]
+) -> dict[str, tuple[str, Figure | None]]:
+    """Return those of a run in a tank or a channel."""
     start, end = found.window
     mean = f"mean over {start:g} to {end:g} s"
     above = "Velocity and concentration" if found.has_grains else "Velocity"
@@ -84,10 +110,4 @@ def _figures(
         figures["flow"] = ("Height of the flow", flow_figure(found, given))
     figures["maxima"] = ("Greatest values since the start", maxima_figure(found))
     figures["budget"] = ("Budgets of mass, energy and momentum", budget_figure(found))
-    if curves := curves_to_draw(found, given):
-        span = told_span(found.smoothing)
-        title = f"Probes: samples, and means over {span}"
-        figures["probes"] = (title, probe_figure(curves, given))
-    figures["lines"] = ("Probes along lines, over the time", line_figure(found.run))
-    figures["grids"] = ("Probes on grids, at the last time", grid_figure(found.run))
     return figures

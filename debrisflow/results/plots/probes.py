@@ -13,14 +13,14 @@ from debrisflow.results.plots.curves import draw_reference, legend
 from debrisflow.results.plots.style import CYCLE, LINES, SETTINGS, panels
 from debrisflow.results.probe_curves import ProbeCurve, probe_curve
 from debrisflow.results.references import Reference
-from debrisflow.results.survey import Survey
+from debrisflow.results.survey import AnySurvey
 
 HEIGHT = 1.5  # inch, of a panel
 MOST_PANELS = 16
 THIN = 0.4 * SETTINGS["lines.linewidth"]
 
 
-def curves_to_draw(found: Survey, given: Sequence[Reference]) -> list[ProbeCurve]:
+def curves_to_draw(found: AnySurvey, given: Sequence[Reference]) -> list[ProbeCurve]:
     """Return the curves of the probes, with those beside them that a reference has, by probe."""
     curves = list(found.probe_curves)
     known = {_key(one) for one in curves}
@@ -31,7 +31,7 @@ def curves_to_draw(found: Survey, given: Sequence[Reference]) -> list[ProbeCurve
     return sorted(curves, key=lambda one: order.index(one.probe))
 
 
-def _asked(found: Survey, given: Sequence[Reference]) -> list[str]:
+def _asked(found: AnySurvey, given: Sequence[Reference]) -> list[str]:
     """Return the columns of probes that references have, each once."""
     columns = [name for one in given if one.abscissa == "time" for name in one.curves]
     return [name for name in dict.fromkeys(columns) if name not in found.fronts]
@@ -82,7 +82,7 @@ def _draw_references(axes: Axes, given: Sequence[Reference], curve: ProbeCurve, 
 
 
 def compared_probes(
-    found: Sequence[Survey], names: Sequence[str], given: Sequence[Reference]
+    found: Sequence[AnySurvey], names: Sequence[str], given: Sequence[Reference]
 ) -> Figure | None:
     """Return the running means of the curves that all runs have, a panel each; None if none.
 
@@ -114,7 +114,7 @@ def compared_probes(
     return figure
 
 
-def compared_span(found: Sequence[Survey]) -> float:
+def compared_span(found: Sequence[AnySurvey]) -> float:
     """Return the time over which the running means of runs go, s."""
     return max((curve.span for one in found for curve in one.probe_curves), default=np.nan)
 
