@@ -49,7 +49,7 @@ from debrisflow.errors import CaseError
 
 RELAXATION_STEPS = 50
 GRAINS_COLLIDE = 0.8  # spacings; without it the surface of a heap of grains is rough
-SPREAD = 2.0  # spacings of the square of a map over which a particle is spread, at least
+SPREAD = 2.0  # spacings of the square of a map over which a particle is spread
 LEAST_LAYER_DEPTH = 0.05  # m
 MORE_THAN_ONE = 1.1  # depths of a lone particle; one alone marks no cell as reached
 LARGEST_DIFFUSION = 0.3

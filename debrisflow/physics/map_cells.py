@@ -1,7 +1,7 @@
 """Depth, speed, momentum flux and pressure of the flow in the cells of a map.
 
-The volume of each particle, d0^3, is spread evenly over a square of side ``max(2 d0, cell)`` around
-its place, each cell getting the share by which the square overlaps it.  With the sums of a cell of
+The volume of each particle, d0^3, is spread evenly over a square of side 2 d0 around its place, each
+cell getting the share by which the square overlaps it.  With the sums of a cell of
 area A over its shares s
 
     h = d0^3 sum(s) / A,   u = |sum(s rho u)| / sum(s rho),   h u^2,   rho u^2
@@ -81,7 +81,7 @@ def spread(position, velocity, density, half, cell, owner, sums, touched):
         From the south-west corner of the map.
     density : (n,) float64 array, kg/m3
     half : float
-        Half the side of a square, in cells; 0.5 or more.
+        Half the side of a square, in cells.
     cell : float, m
     owner : (columns,) int64 array
         The part, by its number, that a column belongs to.

@@ -35,7 +35,7 @@ class LayerRecorder:
 
     def __init__(self, grid: MapGrid, spacing: float, threshold: float) -> None:
         self.grid, self.threshold = grid, threshold
-        self.half = 0.5 * max(SPREAD * spacing / grid.cell, 1.0)
+        self.half = 0.5 * SPREAD * spacing / grid.cell
         self.height = spacing**3 / grid.cell**2
         self._sums = np.zeros((grid.columns, grid.rows, map_cells.SUMS))  # between steps too
 

@@ -81,6 +81,14 @@ def test_a_particle_in_the_middle_of_a_wide_cell_is_there_alone() -> None:
     np.testing.assert_allclose(depth, expected, atol=1e-15)
 
 
+def test_a_flow_along_a_row_of_wide_cells_stays_in_it() -> None:
+    grid = MapGrid(0.0, 0.0, 10.0, 4, 3)
+    across = np.array([[5.0, y, 0.5] for y in np.arange(11.5, 19.0, 1.0)])
+    depth = LayerRecorder(grid, 1.0, 0.05).depth(particles(across))
+    assert depth[:, [0, 2]].max() == 0.0
+    assert depth[0, 1] == pytest.approx(8 * 1.0 / 100.0)
+
+
 def test_products_are_those_of_a_step_not_of_maxima() -> None:
     grid = MapGrid(0.0, 0.0, 1.0, 1, 1)
     recorder, layers = LayerRecorder(grid, 0.5, 0.05), no_layers(1, 1)

@@ -29,7 +29,7 @@ from debrisflow.schemes.explicit import Explicit
 from tests.validation.ground3d import distances
 
 Floats = NDArray[np.float64]
-DATA = Path(__file__).parent / "reference" / "mt_st_helens_2021"
+DATA = Path(__file__).parents[2] / "cases" / "data" / "mt_st_helens2021"
 VOLUME = 22_481.0  # m3, released
 UNDER = 20.0  # m between the lowest ground and the floor of the case
 FRICTION, TURBULENCE = 0.2, 500.0  # mu and xi, m/s2, of Voellmy's law
