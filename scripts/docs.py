@@ -40,6 +40,7 @@ NOT_PARAMETERS = ("title", "time", "output", "probe")
 SCALARS = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false"}
 CAPTIONS = {
     "bed_erosion2d": "Water (blue) erodes a bed of sediment (red) and water.",
+    "channelled_fan": "Peak depth of the flow from the torrent, past the check dam, onto the fan.",
     "check_dam3d": "The flow meets the dam and passes over its crest; colors show the speed.",
     "column_collapse2d": "Without (left) and with collision stress (right).",
     "dam_break2d": "The column collapses, and its front climbs the far wall.",

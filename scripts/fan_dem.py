@@ -3,10 +3,10 @@
     python scripts/fan_dem.py
 
 With x from the apex of the fan down the valley and y across, in meters: above the apex the axis of
-the torrent winds by ``15 sin(2 pi x / 160)``, more gently towards the apex, and falls by 14 degrees.
-Its channel is 5 m wide at the bed, 2.5 m deep, with banks of 45 degrees; behind the banks the slopes
-of the valley rise by 30 degrees.  The fan is a cone that falls by 9 degrees at the apex and less
-with the distance r from it,
+the torrent winds by ``15 sin(2 pi x / 160)``, more gently towards the apex, and falls by 14
+degrees.  Its channel is 5 m wide at the bed, 2.5 m deep, with banks of 45 degrees; behind the banks
+the slopes of the valley rise by 30 degrees.  The fan is a cone that falls by 9 degrees at the apex
+and less with the distance r from it,
 
     z = Z (exp(-r / L) - 1),  Z = L tan(9 deg),  L = 350 m,
 

@@ -86,7 +86,9 @@ def complete(case: Case) -> ResolvedCase:
     asked = case.asked if isinstance(case, ResolvedCase) else None
     former_names = case.former_names if isinstance(case, ResolvedCase) else ()
     if built := as_built(dict(case)):
-        asked, case = case, Case(**(dict(case) | built))
+        if not isinstance(case.geometry, Terrain):  # whose lengths are as they are asked
+            asked = case
+        case = Case(**(dict(case) | built))
     if isinstance(case.scheme, ExplicitScheme):
         fastest = case.scheme.sound_speed or sound_speed(
             case.fill,
@@ -249,7 +251,7 @@ def _output(output: Output, geometry: Geometry, particles: Particles) -> Resolve
         output,
         deposit_interval=output.interval,
         history_interval=output.interval / 10,
-        layer_depth=max(LEAST_LAYER_DEPTH, MORE_THAN_ONE * lone),
+        layer_depth=max(LEAST_LAYER_DEPTH, float(f"{MORE_THAN_ONE * lone:.2g}")),
     )
 
 
