@@ -52,7 +52,7 @@ PATH_HEAD = (
     "s: m along it in plan; middle of the part",
     "east, north, elevation: m, of that place on the terrain as given",
     "peak_depth, peak_speed, peak_pressure: m, m/s, kPa; greatest in the cells that have their",
-    "  nearest point of the path in this part",
+    "  nearest point of the path in this part; those above its start do not count",
     "arrival: s; first in these cells",
     "width: m; area of these cells over the length of the part",
 )
@@ -275,7 +275,9 @@ def _profile(
     s = (np.arange(parts) + 0.5) * cell
     s[-1] = 0.5 * ((parts - 1) * cell + max(path.length, 1e-9))
     points = shapely.get_coordinates(shapely.line_interpolate_point(path, s))
-    part = np.minimum((along(path, grid, reached) / cell).astype(int), parts - 1)
+    place = along(path, grid, reached)
+    beside = place > 0.0  # not above the start of the path
+    part = np.minimum((place[beside] / cell).astype(int), parts - 1)
     table = {
         "s": s,
         "east": points[:, 0],
@@ -284,9 +286,9 @@ def _profile(
     }
     for name in ("peak_depth", "peak_speed", "peak_pressure"):
         table[name] = np.full(parts, np.nan)
-        np.fmax.at(table[name], part, layers[name][reached])
+        np.fmax.at(table[name], part, layers[name][reached][beside])
     table["arrival"] = np.full(parts, np.nan)
-    np.fmin.at(table["arrival"], part, layers["arrival"][reached])
+    np.fmin.at(table["arrival"], part, layers["arrival"][reached][beside])
     table["width"] = np.bincount(part, minlength=parts) * cell
     return table
 

@@ -120,6 +120,7 @@ def test_the_flow_along_its_path(found):
     assert table["elevation"][:5] == pytest.approx(100.0 - FALL * (table["east"] - WEST)[:5])
     assert s[wet].max() == pytest.approx(62.5 - 15.0, abs=CELL)
     assert table["width"][2:6] == pytest.approx(20.0, abs=CELL)
+    assert table["width"].max() <= 25.0  # what is released above the start is not beside it
     assert np.all(np.diff(table["arrival"][wet]) >= 0.0)
     assert table["arrival"][wet][-1] == pytest.approx(8.0)
     assert np.isnan(table["peak_depth"][~wet]).all()
