@@ -37,6 +37,8 @@ class Elements(NamedTuple):
         Unit normals out of the solid.
     area : (e,) float64 array, m2
         On the solid of the sums.
+    size : (e,) float64 array, m
+        From the middle to the farthest corner.
     number : (e,) int64 array
         Of the wall that they belong to.
     is_face : (e,) bool array
@@ -50,6 +52,7 @@ class Elements(NamedTuple):
     inner: Floats
     normal: Floats
     area: Floats
+    size: Floats
     number: NDArray[np.int64]
     is_face: NDArray[np.bool_]
 
@@ -134,8 +137,9 @@ def add_elements(x, y, z, listed, count, elements, radius, spacing, stretch, tot
             continue
         area = elements.area[e] * (stretch / spacing) ** 2
         near = max(1.0 - 0.25 * np.pi * r * r / area, 0.0)
-        a, smooth, _, c = surface_integrands(r, radius)
-        _, _, psi, _ = surface_integrands(np.sqrt(r * r + 0.25 * near * area / np.pi), radius)
+        a, smooth, psi, c = surface_integrands(r, radius)
+        if near > 0.0:
+            _, _, psi, _ = surface_integrands(np.sqrt(r * r + 0.25 * near * area / np.pi), radius)
         toward = area * (dx * nx + dy * ny + dz * nz) / (r * r * r)
         if r < EXACT:
             toward = seen_angle(e, x, y, z, elements)
@@ -201,6 +205,27 @@ def nearest_in(e, x, y, z, elements):
 
 
 @kernel
+def _farthest(x, y, z, listed, count, elements):
+    """Return the distance beyond which no face of elements is the nearest one, m."""
+    least = np.inf
+    for k in range(count):
+        e = listed[k]
+        if elements.is_face[e]:
+            dx, dy = elements.middle[e, 0] - x, elements.middle[e, 1] - y
+            dz = elements.middle[e, 2] - z
+            least = min(least, dx * dx + dy * dy + dz * dz)
+    return np.sqrt(least)
+
+
+@kernel
+def _is_beyond(e, x, y, z, distance, elements):
+    """Return whether no point of triangle e is within a distance of a place."""
+    dx, dy = elements.middle[e, 0] - x, elements.middle[e, 1] - y
+    dz, most = elements.middle[e, 2] - z, distance + elements.size[e]
+    return dx * dx + dy * dy + dz * dz > most * most
+
+
+@kernel
 def face_of_elements(x, y, z, listed, count, elements, reach, is_second, first, normal):
     """Return distance and number of the face of elements nearest to a place, and whether off a rim.
 
@@ -225,12 +250,15 @@ def face_of_elements(x, y, z, listed, count, elements, reach, is_second, first, 
         is off an edge of the body.
     """
     found, least, slack = -1, reach, 1e-9 * reach
+    most = reach if is_second else min(_farthest(x, y, z, listed, count, elements), reach)
     dx, dy, dz, nx, ny, nz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         e = listed[k]
         ex, ey, ez = elements.normal[e, 0], elements.normal[e, 1], elements.normal[e, 2]
         turned = ex * first[0] + ey * first[1] + ez * first[2]
         if not elements.is_face[e] or (is_second and turned > SQRT_HALF):
+            continue
+        if _is_beyond(e, x, y, z, min(least, most) + 2.0 * slack, elements):
             continue
         wx, wy, wz = nearest_in(e, x, y, z, elements)
         distance = np.sqrt(wx * wx + wy * wy + wz * wz)

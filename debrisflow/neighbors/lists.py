@@ -394,6 +394,9 @@ class FixedNeighbors:
     ) -> None:
         self._effective_radius, self._spacing = effective_radius, spacing
         self._cells = sort_into_cells(points, effective_radius + skin * spacing, period)
+        repeats = period > 0.0
+        self._lower = np.where(repeats, -np.inf, points.min(axis=0))
+        self._upper = np.where(repeats, np.inf, points.max(axis=0))
         self._crowd = np.empty(self._cells.start.size - 1, dtype=np.bool_)
         _find_crowds(self._cells, self._crowd)
         self.set_skin(skin)
@@ -408,7 +411,8 @@ class FixedNeighbors:
     def build(self, position: Floats) -> None:
         """Build the list of all given particles."""
         cell = cells_of(position, self._cells)
-        has_row = self._crowd[cell]
+        within = (position >= self._lower - self.radius) & (position <= self._upper + self.radius)
+        has_row = self._crowd[cell] & np.all(within, axis=1)
         rows = int(np.count_nonzero(has_row))
         self.row = np.where(has_row, np.cumsum(has_row) - 1, -1).astype(np.int32)
         if self.index.shape[0] < rows:

@@ -197,6 +197,7 @@ def elements_from(
     surface, inner = pieces[:, :, :3], pieces[:, :, 3:]
     area, inner_area = area_vectors(surface), area_vectors(inner)
     size = np.linalg.norm(area, axis=1)
+    farthest = np.linalg.norm(surface - surface.mean(axis=1, keepdims=True), axis=2).max(axis=1)
     solid = size > 0.0
     return Elements(
         corners=np.ascontiguousarray(surface[solid]),
@@ -204,6 +205,7 @@ def elements_from(
         inner=inner[solid].mean(axis=1),
         normal=area[solid] / size[solid, None],
         area=np.linalg.norm(inner_area[solid], axis=1),
+        size=farthest[solid],
         number=number[solid],
         is_face=is_face[solid],
     )
@@ -222,4 +224,5 @@ def elements_of_sides(sides: Sides) -> Elements:
     length = np.hypot(*along.T)
     normal = np.zeros((len(length), 3))
     normal[:, 0], normal[:, 1] = along[:, 1] / length, -along[:, 0] / length
-    return Elements(corners, middle, middle, normal, length, sides.number, sides.is_face)
+    size = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    return Elements(corners, middle, middle, normal, length, size, sides.number, sides.is_face)

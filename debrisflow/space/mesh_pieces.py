@@ -18,7 +18,8 @@ Floats = NDArray[np.float64]
 WIDEST = 0.5
 """Longest side of an element, in spacings."""
 LEAST_AREA = 1e-4
-"""Of an element that is lifted to a ground, in squares of a spacing; what is less was a side."""
+"""Of an element that is lifted to a ground, in squares of a spacing; what is less was a side.  Of
+one that was wholly below it, that in plan: along a curved ground a side leaves slivers."""
 
 
 def pieces_of(
@@ -85,9 +86,9 @@ def _on_ground(
         level = level - depth * np.sqrt(1.0 + along**2 + aside**2)
         buried &= pieces[:, :, first + 2] <= level
         lifted[:, :, first + 2] = np.maximum(pieces[:, :, first + 2], level)
-    size = np.linalg.norm(area_vectors(lifted[:, :, :3]), axis=1)
+    is_met, area = ~np.all(buried, axis=1), area_vectors(lifted[:, :, :3])
+    size = np.where(is_met, np.linalg.norm(area, axis=1), np.abs(area[:, 2]))
     kept = size > LEAST_AREA * d0**2
-    is_met = ~np.all(buried, axis=1)
     return lifted[kept], is_met[kept]
 
 
