@@ -22,6 +22,8 @@ from debrisflow._jit import kernel
 Floats = NDArray[np.float64]
 SQRT_HALF = 0.7071067811865476
 EXACT = 1.0  # spacings, within which the solid angle of an element is exact
+QUARTERED = 1.5  # spacings, within which wide elements count by their quarters
+WIDE = 0.34  # spacings from the middle to the farthest corner; wider than a side of half a spacing
 
 
 class Elements(NamedTuple):
@@ -77,8 +79,34 @@ def surface_integrands(r, radius):
 
 
 @kernel
-def seen_angle(e, x, y, z, elements):
-    """Return the solid angle of triangle e, negative as seen from outside: integral of r.n / r^3.
+def _part_of(a, b, c, p):
+    """Return along one axis the corners of quarter p of a triangle; p = 4 is all of it."""
+    if p == 4:
+        return a, b, c
+    if p == 3:
+        return 0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)
+    own = a if p == 0 else (b if p == 1 else c)
+    return 0.5 * (a + own), 0.5 * (b + own), 0.5 * (c + own)
+
+
+@kernel
+def middle_of_quarter(e, p, mx, my, mz, elements, scale):
+    """Return the middle of quarter p of triangle e, whose own is (mx, my, mz)."""
+    if p == 3:
+        return mx, my, mz
+    c, middle, half = elements.corners[e, p], elements.middle[e], 0.5 * scale
+    return (
+        mx + half * (c[0] - middle[0]),
+        my + half * (c[1] - middle[1]),
+        mz + half * (c[2] - middle[2]),
+    )
+
+
+@kernel
+def seen_angle(e, p, x, y, z, elements):
+    """Return the solid angle of quarter p of triangle e, of all of it if p is 4.
+
+    It is the integral of r.n / r^3, negative as seen from outside.
 
     References
     ----------
@@ -91,9 +119,9 @@ def seen_angle(e, x, y, z, elements):
         y - elements.inner[e, 1] + elements.middle[e, 1],
         z - elements.inner[e, 2] + elements.middle[e, 2],
     )
-    ax, ay, az = c[0, 0] - x, c[0, 1] - y, c[0, 2] - z
-    bx, by, bz = c[1, 0] - x, c[1, 1] - y, c[1, 2] - z
-    cx, cy, cz = c[2, 0] - x, c[2, 1] - y, c[2, 2] - z
+    ax, bx, cx = _part_of(c[0, 0] - x, c[1, 0] - x, c[2, 0] - x, p)
+    ay, by, cy = _part_of(c[0, 1] - y, c[1, 1] - y, c[2, 1] - y, p)
+    az, bz, cz = _part_of(c[0, 2] - z, c[1, 2] - z, c[2, 2] - z, p)
     a = np.sqrt(ax * ax + ay * ay + az * az)
     b = np.sqrt(bx * bx + by * by + bz * bz)
     length = np.sqrt(cx * cx + cy * cy + cz * cz)
@@ -107,8 +135,9 @@ def seen_angle(e, x, y, z, elements):
 def add_elements(x, y, z, listed, count, elements, radius, spacing, stretch, total):
     """Add the sums over the solids within reach of a place outside them.
 
-    Each integrand is that at the middle of an element.  Of near ones the solid angle is exact, and
-    psi, which grows with 1/r, is that of the mean distance over a disc.
+    Each integrand is that at the middle of an element, or where a wide one is near at those of its
+    quarters.  Of near ones the solid angle is exact, and psi, which grows with 1/r, is that of the
+    mean distance over a disc.
 
     Parameters
     ----------
@@ -127,34 +156,44 @@ def add_elements(x, y, z, listed, count, elements, radius, spacing, stretch, tot
     for k in range(count):
         e = listed[k]
         nx, ny, nz = elements.normal[e, 0], elements.normal[e, 1], elements.normal[e, 2]
-        dx, dy, dz = (
+        mx, my, mz = (
             stretch * (elements.inner[e, 0] - x) / spacing,
             stretch * (elements.inner[e, 1] - y) / spacing,
             stretch * (elements.inner[e, 2] - z) / spacing,
         )
-        r = max(np.sqrt(dx * dx + dy * dy + dz * dz), 1e-3)
-        if r >= radius:
+        square = mx * mx + my * my + mz * mz
+        if square >= radius * radius:
             continue
-        area = elements.area[e] * (stretch / spacing) ** 2
-        near = max(1.0 - 0.25 * np.pi * r * r / area, 0.0)
-        a, smooth, psi, c = surface_integrands(r, radius)
-        if near > 0.0:
-            _, _, psi, _ = surface_integrands(np.sqrt(r * r + 0.25 * near * area / np.pi), radius)
-        toward = area * (dx * nx + dy * ny + dz * nz) / (r * r * r)
-        if r < EXACT:
-            toward = seen_angle(e, x, y, z, elements)
-        total[0] -= a * toward
-        total[1] -= smooth * toward
-        psi *= area
-        total[2] -= psi * nx
-        total[3] -= psi * ny
-        total[4] -= psi * nz
-        total[5] -= psi * dx * nx + c * toward
-        total[6] -= psi * dy * ny + c * toward
-        total[7] -= psi * dz * nz + c * toward
-        total[8] -= 0.5 * psi * (dx * ny + dy * nx)
-        total[9] -= 0.5 * psi * (dx * nz + dz * nx)
-        total[10] -= 0.5 * psi * (dy * nz + dz * ny)
+        is_split = square < QUARTERED * QUARTERED and elements.size[e] > WIDE * spacing
+        area = elements.area[e] * (stretch / spacing) ** 2 * (0.25 if is_split else 1.0)
+        for p in range(0 if is_split else 4, 4 if is_split else 5):
+            dx, dy, dz = mx, my, mz
+            if is_split:
+                dx, dy, dz = middle_of_quarter(e, p, mx, my, mz, elements, stretch / spacing)
+            r = max(np.sqrt(dx * dx + dy * dy + dz * dz), 1e-3)
+            if r >= radius:
+                continue
+            near = max(1.0 - 0.25 * np.pi * r * r / area, 0.0)
+            a, smooth, psi, c = surface_integrands(r, radius)
+            if near > 0.0:
+                _, _, psi, _ = surface_integrands(
+                    np.sqrt(r * r + 0.25 * near * area / np.pi), radius
+                )
+            toward = area * (dx * nx + dy * ny + dz * nz) / (r * r * r)
+            if r < EXACT:
+                toward = seen_angle(e, p, x, y, z, elements)
+            total[0] -= a * toward
+            total[1] -= smooth * toward
+            psi *= area
+            total[2] -= psi * nx
+            total[3] -= psi * ny
+            total[4] -= psi * nz
+            total[5] -= psi * dx * nx + c * toward
+            total[6] -= psi * dy * ny + c * toward
+            total[7] -= psi * dz * nz + c * toward
+            total[8] -= 0.5 * psi * (dx * ny + dy * nx)
+            total[9] -= 0.5 * psi * (dx * nz + dz * nx)
+            total[10] -= 0.5 * psi * (dy * nz + dz * ny)
 
 
 @kernel

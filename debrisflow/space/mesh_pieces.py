@@ -15,8 +15,9 @@ from debrisflow.space.ground import ground_of
 from debrisflow.space.scene import faces_of
 
 Floats = NDArray[np.float64]
-WIDEST = 0.5
-"""Longest side of an element, in spacings."""
+WIDEST, WIDEST_ON_GROUND = 0.5, 1.0
+"""Longest side of an element, in spacings; what lies nearer to a wide one sees its quarters, see
+:func:`debrisflow.neighbors.elements.add_elements`."""
 LEAST_AREA = 1e-4
 """Of an element that is lifted to a ground, in squares of a spacing; what is less was a side.  Of
 one that was wholly below it, that in plan: along a curved ground a side leaves slivers."""
@@ -51,7 +52,9 @@ def pieces_of(
             surface = surface_of_box(obstacle)
         else:
             continue
-        own = _cut(_with_inner(_outward(surface), pulled_back, case), case.particles.spacing)
+        own = _with_inner(_outward(surface), pulled_back, case)
+        widest = WIDEST_ON_GROUND if case.is_terrain else WIDEST
+        own = _cut(own, widest * case.particles.spacing)
         if case.is_terrain:
             own, faces = _on_ground(own, pulled_back, case)
             pieces.append(own)
@@ -141,14 +144,14 @@ def _with_inner(corners: Floats, pulled_back: float, case: ResolvedCase) -> Floa
     return np.concatenate([corners, corners + shift[vertex].reshape(corners.shape)], axis=2)
 
 
-def _cut(pieces: Floats, spacing: float) -> Floats:
-    """Return triangles, (n, 3, 6), halved along their longest sides until none is too wide."""
+def _cut(pieces: Floats, widest: float) -> Floats:
+    """Return triangles, (n, 3, 6), halved along their longest sides until none is wider, m."""
     done = []
     while len(pieces):
         corners = pieces[:, :, :3]
         sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
         longest = np.argmax(sides, axis=1)
-        small = sides.max(axis=1) <= WIDEST * spacing
+        small = sides.max(axis=1) <= widest
         done.append(pieces[small])
         rows, first = np.flatnonzero(~small), longest[~small]
         a, b, c = (pieces[rows, (first + k) % 3] for k in range(3))
