@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.case.probes.dam import DamProbe
 from debrisflow.particles.maxima import has_risen
 from debrisflow.results.fronts import PHASE_WORDS
 from debrisflow.results.stations import VOLUME, flow_probes
@@ -55,6 +56,7 @@ def answers_by_heading(found: Survey) -> dict[str, list[Answer]]:
         "Extent": _extent(found),
         "Deposit and erosion": _deposit(found) if found.has_grains else [],
         "Sections": _sections(found),
+        "Dams": _dams(found),
         "Budgets": _budgets(found),
     }
 
@@ -172,6 +174,23 @@ def _sections(found: Survey) -> list[Answer]:
         rows += _flow_figures(probe.name, table, where, found)
         first = _section_arrival(table, case.particles.spacing)
         rows.append(Answer(f"{probe.name}_arrival", first, "s", SECTION_ARRIVAL))
+    return rows
+
+
+def _dams(found: Survey) -> list[Answer]:
+    rows = []
+    for probe in found.run.case.probe:
+        if not isinstance(probe, DamProbe):
+            continue
+        table, name, dam = found.run.probe(probe.name), probe.name, f"the dam '{probe.wall}'"
+        held = _at(table["trapped_volume"], -1)
+        over = _at(table["overtopped_volume"], -1)
+        first = _at(table["overtopping_time"], -1)
+        rows += [
+            Answer(f"{name}_overtopping_time", first, "s", f"when the first came over {dam}"),
+            Answer(f"{name}_trapped_volume", held, "m3", f"held back by {dam} at the end"),
+            Answer(f"{name}_overtopped_volume", over, "m3", f"came over {dam}"),
+        ]
     return rows
 
 
