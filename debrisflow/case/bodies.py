@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import cos, radians, sin
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, Strict
@@ -77,6 +78,27 @@ class BoxObstacle(Table):
     def extents(self) -> tuple[Interval, ...]:
         """Its extents along the axes of the space; the last one is upward."""
         return (self.x, self.y) if self.z is None else (self.x, self.y, self.z)
+
+    def unturned(self, place: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Return a place, m, turned back about its middle, by as much as the box is turned."""
+        if self.turn == 0.0:
+            return place
+        a, b = 0.5 * (self.x[0] + self.x[1]), 0.5 * (self.y[0] + self.y[1])
+        along, aside = cos(radians(self.turn)), sin(radians(self.turn))
+        dx, dy = place[0] - a, place[1] - b
+        return a + along * dx + aside * dy, b - aside * dx + along * dy, place[2]
+
+    @property
+    def corners_in_plan(self) -> tuple[Vector, ...]:
+        """Its four corners as seen from above, one after the other around it, m."""
+        (x0, x1), (y0, y1) = self.x, self.y
+        a, b = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+        along, aside = cos(radians(self.turn)), sin(radians(self.turn))
+        found = []
+        for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)):
+            dx, dy = x - a, y - b
+            found.append((a + along * dx - aside * dy, b + aside * dx + along * dy))
+        return tuple(found)
 
 
 class PolygonObstacle(Table):

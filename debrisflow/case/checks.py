@@ -19,6 +19,7 @@ from debrisflow.case import (
     release_checks,
     rheology_checks,
     space_checks,
+    structure_checks,
     terrain_checks,
     weakly_compressible_checks,
 )
@@ -389,5 +390,6 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     *probe_checks.CHECKS,
     *terrain_checks.CHECKS,
     *release_checks.CHECKS,
+    *structure_checks.CHECKS,
     memory_suffices,
 )

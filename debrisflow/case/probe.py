@@ -107,7 +107,8 @@ class Space(NamedTuple):
             if getattr(body, "motion", None) is not None:
                 continue
             if isinstance(body, BoxObstacle) and all(
-                low < at < high for at, (low, high) in zip(place, body.extents, strict=False)
+                low < at < high
+                for at, (low, high) in zip(body.unturned(place), body.extents, strict=False)
             ):
                 return name
             if (
@@ -139,6 +140,7 @@ def _ends(lower: float, upper: float) -> str:
 
 def _distance_to_box(place: tuple[float, float, float], box: BoxObstacle) -> float:
     """Return the distance of a point, outside or inside, to the surface of a box, m."""
+    place = box.unturned(place)
     gaps = [max(low - at, at - high) for at, (low, high) in zip(place, box.extents, strict=False)]
     return hypot(*(max(gap, 0.0) for gap in gaps)) if max(gaps) > 0 else -max(gaps)
 

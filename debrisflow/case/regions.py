@@ -147,7 +147,10 @@ def occupied(part: AnyObstacle | MeshFill) -> Region:
     if isinstance(part, MeshFill | MeshObstacle):
         surface = surface_of(part)
         return Region(tuple(surface.lower.tolist()), tuple(surface.upper.tolist()))
-    return Region(tuple(e[0] for e in part.extents), tuple(e[1] for e in part.extents))
+    extents = list(part.extents)
+    if isinstance(part, BoxObstacle) and part.turn != 0.0:
+        extents[:2] = ((min(ends), max(ends)) for ends in zip(*part.corners_in_plan, strict=True))
+    return Region(tuple(e[0] for e in extents), tuple(e[1] for e in extents))
 
 
 def boxes_among(obstacle: Sequence[AnyObstacle], dimension: int) -> list[Region]:
@@ -178,6 +181,10 @@ def shared_space(
     if any(isinstance(body, PolygonObstacle) for body in bodies):
         one, other = (_outline(body) for body in bodies)
         return _shared_area(one, other, particles)
+    turned = [body for body in bodies if isinstance(body, BoxObstacle) and body.turn != 0.0]
+    if turned and all(isinstance(body, BoxObstacle) for body in bodies):
+        one, other = (_outline(body) for body in bodies)
+        return _shared_area(one, other, particles)
     within: list[NDArray[np.int64]] = []
     for mesh in bodies:
         if isinstance(mesh, MeshFill | MeshObstacle):
@@ -185,7 +192,10 @@ def shared_space(
             if cells is None:
                 return None
             center = (cells + 0.5) * particles.spacing
-            within.append(cells[np.all((center > both.lower) & (center < both.upper), axis=1)])
+            inside = np.all((center > both.lower) & (center < both.upper), axis=1)
+            for box in turned:
+                inside &= shapely.contains_xy(_outline(box), center[:, 0], center[:, 1])
+            within.append(cells[inside])
     if not within:
         return both
     cells, times = np.unique(np.concatenate(within), axis=0, return_counts=True)
@@ -209,10 +219,12 @@ def area_left(region: Region, bodies: Sequence[Region | PolygonObstacle]) -> flo
 
 
 def _outline(body: AnyFill | AnyObstacle) -> shapely.Polygon:
-    """Return a body of two dimensions as a polygon."""
+    """Return a body of two dimensions, or a box as seen from above, as a polygon."""
     if isinstance(body, PolygonObstacle):
         return shapely.Polygon(body.corners)
-    if isinstance(body, BoxObstacle | Block):
+    if isinstance(body, BoxObstacle):
+        return shapely.Polygon(body.corners_in_plan)
+    if isinstance(body, Block):
         return shapely.box(body.x[0], body.y[0], body.x[1], body.y[1])
     raise TypeError(f"a {body.type} has no outline")
 

@@ -53,17 +53,17 @@ def depth_at(release: PolygonRelease | RasterRelease, x: Floats, y: Floats) -> F
     """
     if isinstance(release, PolygonRelease):
         return np.where(shapely.contains_xy(outline(release), x, y), greatest_depth(release), 0.0)
-    return _cells_at(depths(release), x, y, 0.0)
+    return cells_at(depths(release), x, y, 0.0)
 
 
 def is_in_zone(zone: Zone, x: Floats, y: Floats) -> Bools:
     """Return which places on the map, (n,) arrays, m, lie in a zone."""
     if zone.raster is None:
         return np.asarray(shapely.contains_xy(outline(zone), x, y))
-    return np.asarray(_cells_at(read_raster(Path(zone.raster)), x, y, np.nan) == zone.value)
+    return np.asarray(cells_at(read_raster(Path(zone.raster)), x, y, np.nan) == zone.value)
 
 
-def _cells_at(raster: Raster, x: Floats, y: Floats, beyond: float) -> Floats:
+def cells_at(raster: Raster, x: Floats, y: Floats, beyond: float) -> Floats:
     """Return the values of the cells that hold places, and one for places beyond the raster."""
     grid = raster.grid
     column = np.floor((np.asarray(x) - grid.west) / grid.cell).astype(np.int64)
@@ -194,8 +194,8 @@ def direction_down(line: Segment, levels: Raster) -> float | None:
     points = start + np.linspace(0.0, 1.0, 21)[:, None] * (end - start)
     step = DOWN_STEPS * levels.grid.cell * across
     before, behind = points + step, points - step
-    rise = _cells_at(levels, before[:, 0], before[:, 1], np.nan)
-    rise = rise - _cells_at(levels, behind[:, 0], behind[:, 1], np.nan)
+    rise = cells_at(levels, before[:, 0], before[:, 1], np.nan)
+    rise = rise - cells_at(levels, behind[:, 0], behind[:, 1], np.nan)
     rise = rise[np.isfinite(rise)]
     if not len(rise) or rise.mean() == 0.0:
         return None

@@ -37,6 +37,21 @@ class Patch(NamedTuple):
     size: float
 
 
+class Band(NamedTuple):
+    """What of a wall lies between two levels, whichever way it looks.
+
+    Attributes
+    ----------
+    wall : int
+        Number of the wall or obstacle.
+    lower, upper : float, m
+    """
+
+    wall: int
+    lower: float
+    upper: float
+
+
 class Patches(NamedTuple):
     """Patches as kernels read them.
 
@@ -52,6 +67,8 @@ class Patches(NamedTuple):
         Period along each axis and its inverse, 0 where there is none.
     cell : float, m
         Side of the square of a particle.
+    alike : (n,) float64 array
+        Least cosine between the normals of a patch and of what belongs to it.
     """
 
     wall: NDArray[np.int64]
@@ -60,22 +77,37 @@ class Patches(NamedTuple):
     half: Floats
     period: Floats
     cell: float
+    alike: Floats
 
 
-def patches_of(patches: Sequence[Patch], spacing: float, dimension: int, period: Floats) -> Patches:
+def patches_of(
+    patches: Sequence[Patch | Band], spacing: float, dimension: int, period: Floats
+) -> Patches:
     """Return patches in one record; the spacing d0 and the period in m."""
-    normal = np.array([patch.normal for patch in patches]).reshape(-1, 3)
-    half = np.array([0.5 * patch.size for patch in patches])[:, None].repeat(3, axis=1)
+    bands = np.array([isinstance(patch, Band) for patch in patches], dtype=bool)
+    squares = [patch if isinstance(patch, Patch) else _square_of(patch) for patch in patches]
+    normal = np.array([patch.normal for patch in squares]).reshape(-1, 3)
+    half = np.array([0.5 * patch.size for patch in squares])[:, None].repeat(3, axis=1)
     half[:, 0] = 0.5 * spacing * (1.0 + 1e-6)  # rounding
     half[:, dimension:] = np.inf
+    frame = _frames(normal, dimension)
+    frame[bands] = np.eye(3)
+    half[bands, :2] = np.inf
     return Patches(
-        np.array([patch.wall for patch in patches], dtype=np.int64),
-        np.array([patch.center for patch in patches]).reshape(-1, 3),
-        _frames(normal, dimension),
+        np.array([patch.wall for patch in squares], dtype=np.int64),
+        np.array([patch.center for patch in squares]).reshape(-1, 3),
+        frame,
         half,
         np.stack([period, np.divide(1.0, period, out=np.zeros(3), where=period > 0.0)]),
         spacing,
+        np.where(bands, -2.0, ALIKE),
     )
+
+
+def _square_of(band: Band) -> Patch:
+    """Return a patch as high as a band, in the middle of it."""
+    center = np.array([0.0, 0.0, 0.5 * (band.lower + band.upper)])
+    return Patch(band.wall, center, np.array([1.0, 0.0, 0.0]), band.upper - band.lower)
 
 
 def no_patches() -> Patches:
@@ -104,7 +136,7 @@ def shares(k: int, patches: Patches, position: Floats, normal: Floats) -> Floats
     along, half, side = np.abs(offset @ patches.frame[k].T), patches.half[k], 0.5 * patches.cell
     covered = np.minimum(along + side, half) - np.maximum(along - side, -half)
     share = np.clip(covered[:, 1:] / (2.0 * side), 0.0, 1.0).prod(axis=1)
-    is_on = (along[:, 0] < half[0]) & (normal @ patches.frame[k, 0] >= ALIKE)
+    is_on = (along[:, 0] < half[0]) & (normal @ patches.frame[k, 0] >= patches.alike[k])
     return np.where(is_on, share, 0.0)
 
 

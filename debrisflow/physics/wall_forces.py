@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.boundary import Boundary, face_at, face_count, wall_sums_at
 from debrisflow.neighbors.pairs import BLOCK, to_nearest_image
-from debrisflow.neighbors.patches import ALIKE
 
 Floats = NDArray[np.float64]
 MOST = 2.0  # own share of a face in what all walls push by
@@ -28,7 +27,7 @@ def share_in_patch(a, b, c, nx, ny, nz, k, patches):
     dx, dy, dz = to_nearest_image(dx, dy, dz, patches.period)
     ux, uy, uz = frame[k, 0, 0], frame[k, 0, 1], frame[k, 0, 2]
     off = abs(dx * ux + dy * uy + dz * uz)
-    if off >= half[k, 0] or nx * ux + ny * uy + nz * uz < ALIKE:
+    if off >= half[k, 0] or nx * ux + ny * uy + nz * uz < patches.alike[k]:
         return 0.0
     share = 1.0
     for axis in range(1, 3):

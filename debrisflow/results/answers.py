@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from debrisflow.results.fronts import PHASE_WORDS
-from debrisflow.results.shared_answers import Answer, at, budgets, greatest, sections
+from debrisflow.results.shared_answers import Answer, at, budgets, dams, greatest, sections
 from debrisflow.results.stations import VOLUME
 from debrisflow.results.survey import AnySurvey, Survey
 from debrisflow.results.terrain_answers import terrain_answers
@@ -28,6 +28,7 @@ def answers_by_heading(found: AnySurvey) -> dict[str, list[Answer]]:
         "Extent": _extent(found),
         "Deposit and erosion": _deposit(found) if found.has_grains else [],
         "Sections": sections(found),
+        "Dams": dams(found),
         "Budgets": budgets(found),
     }
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probes import AnyProbe
+from debrisflow.case.probes.dam import DamProbe
 from debrisflow.particles.maxima import has_risen
 from debrisflow.results.measured import Measured
 from debrisflow.results.stations import VOLUME, flow_probes
@@ -52,6 +53,24 @@ def sections(found: Measured) -> list[Answer]:
         rows += _flow_figures(probe.name, table, where, found)
         first = _section_arrival(table, case.particles.spacing)
         rows.append(Answer(f"{probe.name}_arrival", first, "s", SECTION_ARRIVAL))
+    return rows
+
+
+def dams(found: Measured) -> list[Answer]:
+    """Return what structures held back and what came over them, by the probes of dams."""
+    rows = []
+    for probe in found.run.case.probe:
+        if not isinstance(probe, DamProbe):
+            continue
+        table, name, dam = found.run.probe(probe.name), probe.name, f"the dam '{probe.wall}'"
+        held = at(table["trapped_volume"], -1)
+        over = at(table["overtopped_volume"], -1)
+        first = at(table["overtopping_time"], -1)
+        rows += [
+            Answer(f"{name}_overtopping_time", first, "s", f"when the first came over {dam}"),
+            Answer(f"{name}_trapped_volume", held, "m3", f"held back by {dam} at the end"),
+            Answer(f"{name}_overtopped_volume", over, "m3", f"came over {dam}"),
+        ]
     return rows
 
 

@@ -6,7 +6,7 @@ from math import atan, degrees
 
 import numpy as np
 
-from debrisflow.results.shared_answers import Answer, at, budgets, greatest, sections
+from debrisflow.results.shared_answers import Answer, at, budgets, dams, greatest, sections
 from debrisflow.results.terrain_survey import TerrainSurvey
 from debrisflow.results.words import Words
 from debrisflow.run.ledger import PLACES
@@ -41,6 +41,7 @@ def terrain_answers(found: TerrainSurvey, words: Words | None = None) -> dict[st
         "Extent": _extent(found, words),
         "Deposit": _deposit(found, words),
         "Sections": sections(found),
+        "Dams": dams(found),
         "Ledger": _ledger(found, words),
         "Budgets": budgets(found),
     }

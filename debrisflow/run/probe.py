@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probe import Probe
-from debrisflow.neighbors.patches import Patch
+from debrisflow.neighbors.patches import Band, Patch
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
 from debrisflow.run.row_statistics import EXTREMES
@@ -73,10 +73,10 @@ class Sampler:
     sum_shape : tuple of int or None
         Shape of the running sum, a float64 array that starts at 0 and is kept in
         ``state.sums[probe.name]``; None for a probe without one.
-    patch : Patch or None
-        The patch of wall whose force it reads.
+    patches : sequence of Patch or Band
+        The parts of walls whose forces it reads.
     patch_row : int
-        Its row in ``state.patch_force``.
+        The row of the first of them in ``state.patch_force``.
     averaged : tuple of str
         Columns that begin like one of these are means since the row before.
     has_many_points : bool
@@ -84,7 +84,7 @@ class Sampler:
     """
 
     sum_shape: tuple[int, ...] | None = None
-    patch: Patch | None = None
+    patches: Sequence[Patch | Band] = ()
     patch_row = 0
     averaged: tuple[str, ...] = ()
     has_many_points = False

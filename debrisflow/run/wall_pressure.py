@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from debrisflow.case import ResolvedCase, shapes, tables
 from debrisflow.case.bodies import BoxObstacle
 from debrisflow.case.shapes import plain_of
-from debrisflow.neighbors.patches import Patch, Patches, patches_of
+from debrisflow.neighbors.patches import Band, Patch, Patches, patches_of
 from debrisflow.particles.record import Kind, Particles
 from debrisflow.particles.state import State
 from debrisflow.space.bodies import are_among
@@ -180,7 +180,7 @@ def force(faces: Faces, pressure: Floats, area: float, about: Floats) -> tuple[F
     return pushes.sum(axis=0), np.cross(faces.position - about, pushes).sum(axis=0)
 
 
-def patches_in(case: ResolvedCase, patches: Sequence[Patch]) -> Patches:
+def patches_in(case: ResolvedCase, patches: Sequence[Patch | Band]) -> Patches:
     """Return patches in one record, in the space of a case."""
     return patches_of(patches, case.particles.spacing, case.dimension, domain(case).period)
 

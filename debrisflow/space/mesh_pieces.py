@@ -10,7 +10,7 @@ from debrisflow.case.bodies import BoxObstacle, MeshObstacle
 from debrisflow.case.regions import MESH_SLACK, surface_of
 from debrisflow.case.triangles import Surface
 from debrisflow.space.bodies import bodies_of
-from debrisflow.space.domain import WALL_NAMES, image_shifts
+from debrisflow.space.domain import WALL_NAMES, image_shifts, wall_names
 from debrisflow.space.ground import ground_of
 from debrisflow.space.scene import faces_of
 
@@ -66,6 +66,33 @@ def pieces_of(
             number.append(np.full(len(own), wall))
             is_face.append(~_in_walls(own[:, :, :3], case))
     return np.concatenate(pieces), np.concatenate(number), np.concatenate(is_face)
+
+
+def faces_in_open(case: ResolvedCase, name: str) -> Floats:
+    """Return the triangles of an obstacle that fluid can meet, (n, 3, 3) array, m."""
+    wall = wall_names(case).index(name)
+    obstacle = case.obstacle[wall - len(WALL_NAMES)]
+    if isinstance(obstacle, BoxObstacle) and not case.is_terrain:
+        return surface_of_box(obstacle).corners
+    pieces, number, is_face = pieces_of(case, 0.0)
+    faces: Floats = pieces[(number == wall) & is_face][:, :, :3]
+    return faces
+
+
+def top_of_structures(case: ResolvedCase, x: float, y: float) -> float:
+    """Return the highest level of the obstacles on a terrain at a place, m; -inf where none is."""
+    top, place = -np.inf, np.array([x, y])
+    for body in case.obstacle:
+        corners = faces_in_open(case, body.name)
+        area = area_vectors(corners)
+        looks_up = area[:, 2] > 1e-6 * np.linalg.norm(area, axis=1)
+        a, b, c = np.moveaxis(corners[looks_up], 1, 0)
+        plan = np.stack([b - a, c - a], axis=2)[:, :2]
+        share = np.linalg.solve(plan, (place - a[:, :2])[:, :, None])[:, :, 0]
+        over = np.all(share >= -1e-9, axis=1) & (share.sum(axis=1) <= 1.0 + 1e-9)
+        level = a[:, 2] + share[:, 0] * (b - a)[:, 2] + share[:, 1] * (c - a)[:, 2]
+        top = max(top, float(level[over].max(initial=-np.inf)))
+    return top
 
 
 def surface_of_box(box: BoxObstacle) -> Surface:

@@ -5,16 +5,22 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
+from debrisflow.case.bodies import BoxObstacle, MeshObstacle
 from debrisflow.case.coverage import depth_on
 from debrisflow.case.releases import HydrographRelease
+from debrisflow.case.structures import levels_of, plan_of
 from debrisflow.space.ground import MassRelease, ground_of, is_taken_out
 
 Floats = NDArray[np.float64]
 LEAST_DISTANCE = 0.45
 """Spacings from the ground, along its normal, of the lowest particle of a column on a slope."""
+
+FREE = 0.4
+"""Spacings from a structure within which no column stands; the others hold its volume."""
 
 
 class Columns(NamedTuple):
@@ -76,8 +82,18 @@ def columns_of(release: MassRelease, case: ResolvedCase) -> Columns:
     else:
         high = depth[ground.cells(x, y)]
     inside = (x > 0.0) & (x < case.terrain.length) & (y > 0.0) & (y < case.terrain.width)
-    high[~inside] = 0.0
+    high[~inside | _in_structures(x, y, case)] = 0.0
     return stacked(x, y, high, round(volume / d0**3), case)
+
+
+def _in_structures(x: Floats, y: Floats, case: ResolvedCase) -> NDArray[np.bool_]:
+    """Return which places in plan lie in a structure above the ground, or at its face."""
+    level, held = ground_of(case).surface.level(x, y), np.zeros(x.shape, dtype=bool)
+    for body in case.obstacle:
+        if isinstance(body, BoxObstacle | MeshObstacle):
+            plan = plan_of(body).buffer(FREE * case.particles.spacing)
+            held |= shapely.contains_xy(plan, x, y) & (level < levels_of(body)[1])
+    return held
 
 
 def stacked(x: Floats, y: Floats, high: Floats, count: int, case: ResolvedCase) -> Columns:

@@ -11,7 +11,7 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.case.probe import Probe, only_subclass
 from debrisflow.errors import OutputError
-from debrisflow.neighbors.patches import Patch
+from debrisflow.neighbors.patches import Band, Patch
 from debrisflow.particles.seeding import wall_particles
 from debrisflow.particles.state import State
 from debrisflow.run.probe import Column, Sampler
@@ -41,11 +41,10 @@ def samplers(case: ResolvedCase, state: State) -> dict[str, Sampler]:
         )
         for probe in case.probe
     }
-    patches: list[Patch] = []
+    patches: list[Patch | Band] = []
     for sampler in found.values():
-        if sampler.patch is not None:
-            sampler.patch_row = len(patches)
-            patches.append(sampler.patch)
+        sampler.patch_row = len(patches)
+        patches.extend(sampler.patches)
     state.patches = patches_in(case, patches)
     if len(state.patch_force) != len(patches):
         state.patch_force = np.zeros((len(patches), 3))

@@ -17,6 +17,8 @@ from debrisflow.run.measures import LEAST_DENSITY_RATIO, piled
 from debrisflow.run.probe import Column, Sampler, extreme_columns
 from debrisflow.space.domain import WALL_NAMES, domain
 from debrisflow.space.floor import is_over_floor
+from debrisflow.space.ground import Surface, ground_of
+from debrisflow.space.mesh_pieces import top_of_structures
 from debrisflow.space.plan_grid import floor_ends
 from debrisflow.space.scene import trajectories
 
@@ -40,7 +42,9 @@ class Height(Sampler):
 
     Of the filled height mean, least and greatest of the steps since the row before are kept too.
 
-    The base ends at the ends of the space; keep it a spacing away from the sides of an obstacle.
+    On a terrain they are above the ground under each particle, or the top of a structure under the
+    middle.  The base ends at the ends of the space; keep it a spacing away from the sides of an
+    obstacle.
     """
 
     sum_shape = row_statistics.sum_shape(1)
@@ -61,12 +65,20 @@ class Height(Sampler):
         self._place = np.where(repeats, self._place, np.clip(self._place, first, last))
         self._lower = -np.where(repeats, half, np.minimum(half, self._place - first))
         self._upper = np.where(repeats, half, np.minimum(half, last - self._place))
-        self.base = self._base(particles, case)
+        self._ground: Surface | None = None
+        if case.is_terrain:
+            surface = ground_of(case).surface
+            level = float(surface.level(self._place[:1], self._place[1:])[0])
+            self.base = max(level, top_of_structures(case, *self._place))
+            if self.base == level:
+                self._ground = surface
+        else:
+            self.base = self._base(particles, case)
 
     @staticmethod
     def reads_walls(case: ResolvedCase) -> bool:
         """See :meth:`Sampler.reads_walls`."""
-        return True
+        return not case.is_terrain
 
     @staticmethod
     def columns(dimension: int) -> tuple[Column, ...]:
@@ -114,7 +126,10 @@ class Height(Sampler):
                 away < self._upper[axis] + 0.5 * self._d0
             )
             row, offset = row[near], np.column_stack([offset[near], away[near]])
-        level = position[row, self._up] - self.base
+        base: float | Floats = self.base
+        if self._ground is not None:
+            base = self._ground.level(position[row, 0], position[row, 1])
+        level = position[row, self._up] - base
         return row[level > 0.0], offset[level > 0.0], level[level > 0.0]
 
     def _filled(self, offset: Floats) -> Floats:

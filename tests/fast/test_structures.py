@@ -1,0 +1,140 @@
+"""Structures on a terrain, and the probes there: a pool behind a dam, of few particles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from debrisflow.neighbors.half_space import PULLED_BACK
+from debrisflow.results.reader import Run
+from debrisflow.run.loop import simulate
+from debrisflow.schemes.surfaces import elements_from
+from debrisflow.space.ground import ground_of
+from debrisflow.space.mesh_pieces import area_vectors, faces_in_open, pieces_of
+from tests.validation.backwater import (
+    CREST,
+    DAM,
+    GRID,
+    LEVEL,
+    THICKNESS,
+    backwater_case,
+    normal_of,
+)
+
+TURN, END = 20.0, 2.0
+X, Y = GRID.west + DAM[0], GRID.south + DAM[1]
+FACE = np.array([X, Y]) + 0.5 * THICKNESS * normal_of(TURN)
+POOL = np.array([X, Y]) + 6.0 * normal_of(TURN)
+PROBES = [
+    {"type": "height", "name": "pool", "x": POOL[0], "y": POOL[1]},
+    {"type": "height", "name": "crest", "x": X, "y": Y},
+    {"type": "pressure", "name": "face", "wall": "dam", "x": FACE[0], "y": FACE[1], "z": LEVEL - 2},
+    {"type": "pressure", "name": "bed", "wall": "floor", "x": POOL[0], "y": POOL[1], "z": 95.5},
+    {"type": "section", "name": "section", "x": POOL[0]},
+    {"type": "volume", "name": "box", "x": [GRID.west, X], "y": [GRID.south, Y], "z": [90, 103]},
+    {"type": "point", "name": "point", "x": POOL[0], "y": POOL[1], "z": 98.0},
+    {"type": "line", "name": "line", "start": [*POOL, 95.0], "end": [*POOL, 101.0]},
+    {
+        "type": "grid",
+        "name": "grid",
+        "x": [POOL[0], POOL[0]],
+        "y": [Y - 4, Y + 4],
+        "z": [95, 101],
+    },
+    {"type": "force", "name": "force", "wall": "dam"},
+    {"type": "bands", "name": "bands", "wall": "dam", "bands": 4, "direction": [0.94, 0.342]},
+    {"type": "dam", "name": "dam", "wall": "dam", "direction": [0.94, 0.342]},
+]
+
+
+def case_of(folder, **changes):
+    probes = [{"interval": 0.5 * END, **probe} for probe in changes.pop("probes", PROBES)]
+    return backwater_case(folder, 1.0, TURN, end=changes.pop("end", END), probes=probes, **changes)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("backwater")
+    simulate(case_of(folder), folder / "run")
+    return Run(folder / "run")
+
+
+def last(run, name):
+    table = run.probe(name)
+    return {column: table[column][-1] for column in table}
+
+
+def test_a_dam_is_closed_above_the_ground_and_has_nothing_below(tmp_path):
+    case = case_of(tmp_path)
+    elements = elements_from(*pieces_of(case, PULLED_BACK))
+    total = (elements.area[:, None] * elements.normal).sum(axis=0)
+    assert np.abs(total).max() < 0.01 * elements.area.sum()
+    x, y, z = np.moveaxis(elements.corners, 2, 0)
+    assert np.all(z > ground_of(case).surface.level(x, y) - 1e-9)
+    faces = faces_in_open(case, "dam")
+    # above the crest only where the ground rises through it
+    level = ground_of(case).surface.level(faces[:, :, 0], faces[:, :, 1])
+    assert np.all(faces[:, :, 2] <= np.maximum(level + 1e-9, CREST - case.terrain.origin[2]))
+    # no slivers of sides far below: the base and what is open
+    assert len(elements.area) < 2.5 * len(faces)
+    assert np.linalg.norm(area_vectors(faces), axis=1).min() > 0.0
+
+
+def test_heights_are_above_the_smooth_ground_or_a_structure(run):
+    case = run.case
+    local = POOL - case.terrain.origin[:2]
+    level = ground_of(case).surface.level(local[:1], local[1:])[0] + case.terrain.origin[2]
+    assert last(run, "pool")["filled_height"] == pytest.approx(LEVEL - level, rel=0.1)
+    assert last(run, "pool")["height"] == pytest.approx(LEVEL - level, abs=0.8)
+    assert last(run, "crest")["filled_height"] == 0.0
+
+
+def test_pressures_on_a_turned_dam_and_on_the_ground(run):
+    face, bed = last(run, "face"), last(run, "bed")
+    assert face["pressure"] == pytest.approx(1000 * 9.81 * 2.0, rel=0.15)
+    assert face["reaction"] == pytest.approx(face["pressure"], rel=0.25)
+    assert bed["pressure"] == pytest.approx(1000 * 9.81 * 4.4, rel=0.15)
+    assert bed["reaction"] == pytest.approx(bed["pressure"], rel=0.25)
+
+
+def test_bands_share_out_the_force(run):
+    table, force = run.probe("bands"), last(run, "force")
+    rows = table["time"] == table["time"][-1]
+    for axis in "xyz":
+        total = table[f"force_{axis}"][rows].sum()
+        assert total == pytest.approx(force[f"force_{axis}"], rel=1e-6, abs=1.0)
+    pressure, low = table["pressure"][rows], table["lower"][rows] + run.case.terrain.origin[2]
+    assert np.all(np.diff(pressure[low < LEVEL - 2.0]) < 0.0)
+    assert pressure[-1] < 0.05 * pressure[0]
+    assert np.all(table["pressure_least"][rows] <= pressure)
+    assert np.all(pressure <= table["pressure_greatest"][rows])
+    # of the face between the sides of the valley
+    assert table["area"][rows][-1] > table["area"][rows][0]
+
+
+def test_a_dam_holds_back_all_of_a_pool(run):
+    dam, released = last(run, "dam"), 1177.0
+    assert dam["trapped_volume"] == released
+    assert dam["overtopped_volume"] == 0.0
+    assert np.isnan(dam["overtopping_time"])
+
+
+def test_flow_probes_see_the_pool(run):
+    assert last(run, "point")["pressure"] == pytest.approx(1000 * 9.81 * 2.0, rel=0.2)
+    line, box = run.probe("line"), last(run, "box")
+    wet = line["wet"] == 1.0
+    assert 0.4 < wet.mean() < 1.0
+    assert 300.0 < box["volume"] < 800.0
+    assert last(run, "section")["depth"] > 1.0
+    assert any((run.folder / "probes").glob("grid*"))
+
+
+def test_what_comes_over_a_dam_is_counted_from_the_first(tmp_path):
+    dam = [probe for probe in PROBES if probe["name"] == "dam"]
+    case = case_of(tmp_path, crest=98.5, end=2.5, probes=dam)
+    summary = simulate(case, tmp_path / "run")
+    found = last(Run(tmp_path / "run"), "dam")
+    assert summary is not None
+    assert 0.0 < found["overtopping_time"] < 2.5
+    assert 5.0 < found["overtopped_volume"] < 400.0
+    assert 300.0 < found["trapped_volume"] < 1177.0 - found["overtopped_volume"]

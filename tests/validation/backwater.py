@@ -1,0 +1,177 @@
+"""A pool of water at rest behind a dam on a terrain: its force, and where all of it is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.case import ResolvedCase, build_case
+from debrisflow.case.rasters import MapGrid, Raster, write_raster
+from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
+from debrisflow.schemes.choice import scheme_of
+from debrisflow.space.domain import wall_names
+from debrisflow.space.ground import Surface, ground_of
+
+Floats = NDArray[np.float64]
+GRID = MapGrid(5000.0, 7000.0, 1.0, 70, 48)
+SLOPE, BENT = 0.12, 0.035  # fall along the valley, curvature across it, 1/m
+DAM, LENGTH, THICKNESS = (44.0, 24.0), 44.0, 4.0  # middle, across the valley, along it, m
+LEVEL, CREST = 100.0, 103.0  # m, of the pool and of the dam
+DEEPEST = 5.0  # m, about, at the dam
+DENSITY, GRAVITY = 1000.0, 9.81
+FINE = 0.05  # m, of the places at which volume and pressure are summed
+
+
+@dataclass
+class Backwater:
+    """What a pool behind a dam did.
+
+    Attributes
+    ----------
+    force, moment : float, N, N m
+        Mean of the last third: against the dam across its face, and about the level of the pool
+        in its face.
+    expected_force, expected_moment : float, N, N m
+        Of still water of the same volume over the smooth ground.
+    aside : float, N
+        Mean force along the face.
+    speed : float, m/s
+        Mean of the particles at the end.
+    released, in_front, passed, left, through : int
+        Particles: all, and at the end those upstream of the dam, those below it, those that went
+        over an edge of the terrain, and those lost through ground or dam.
+    """
+
+    force: float
+    moment: float
+    expected_force: float
+    expected_moment: float
+    aside: float
+    speed: float
+    released: int
+    in_front: int
+    passed: int
+    left: int
+    through: int
+
+
+def backwater_case(
+    folder: Path,
+    spacing: float,
+    turn: float,
+    crest: float = CREST,
+    end: float = 9.0,
+    probes: Sequence[dict[str, Any]] = (),
+) -> ResolvedCase:
+    """Return the case of a pool; its files are written into a folder."""
+    x, y = GRID.cell * (np.arange(GRID.columns) + 0.5), GRID.cell * (np.arange(GRID.rows) + 0.5)
+    level = np.add.outer(BENT * (y - DAM[1]) ** 2, LEVEL - DEEPEST - SLOPE * (x - DAM[0]))
+    x, y = np.meshgrid(x, y)
+    upstream, _ = _from_face(x, y, turn)
+    depth = np.where(upstream > 0.0, np.maximum(LEVEL - level, 0.0), 0.0)
+    for name, values in (("dem", level), ("pool", depth)):
+        write_raster(folder / f"{name}.asc", Raster(GRID, values[::-1].copy()))
+    (a, b), half = DAM, (0.5 * THICKNESS, 0.5 * LENGTH)
+    return build_case(
+        {
+            "title": "backwater",
+            "particles": {"spacing": spacing},
+            "geometry": {"type": "terrain", "dem": "dem.asc"},
+            "release": [{"type": "raster", "file": "pool.asc", "material": "water"}],
+            "obstacle": [
+                {
+                    "type": "box",
+                    "name": "dam",
+                    "x": [GRID.west + a - half[0], GRID.west + a + half[0]],
+                    "y": [GRID.south + b - half[1], GRID.south + b + half[1]],
+                    "z": [LEVEL - 2.0 * DEEPEST, crest],
+                    "turn": turn,
+                }
+            ],
+            "probe": [{"type": "force", "name": "push", "wall": "dam", "interval": end}, *probes],
+            "scheme": {"type": "explicit", "sound_speed": 70.0},
+            "time": {"end": end},
+            "output": {"interval": end},
+        },
+        folder=folder,
+    )
+
+
+def _from_face(x: Floats, y: Floats, turn: float) -> tuple[Floats, Floats]:
+    """Return distances upstream of the face of the dam, and along it from its middle, m."""
+    across, along = normal_of(turn), np.array([-normal_of(turn)[1], normal_of(turn)[0]])
+    dx, dy = x - DAM[0], y - DAM[1]
+    return dx * across[0] + dy * across[1] - 0.5 * THICKNESS, dx * along[0] + dy * along[1]
+
+
+def normal_of(turn: float) -> Floats:
+    """Return the unit vector in plan out of the upstream face."""
+    return -np.array([np.cos(np.radians(turn)), np.sin(np.radians(turn))])
+
+
+def still_water(volume: float, turn: float, ground: Surface, base: float) -> tuple[float, ...]:
+    """Return the level of a pool of a volume, m, its force, N, and moment about that level, N m."""
+    x, y = np.meshgrid(*(np.arange(0.5 * FINE, GRID.cell * n, FINE) for n in GRID.shape[::-1]))
+    upstream, along = _from_face(x, y, turn)
+    held = (upstream > 0.0) & (np.abs(along) < 0.5 * LENGTH)
+    floor = ground.level(x[held], y[held]) + base
+    low, high = LEVEL - DEEPEST, LEVEL + DEEPEST
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        is_less = np.maximum(middle - floor, 0.0).sum() * FINE**2 < volume
+        low, high = (middle, high) if is_less else (low, middle)
+    s = np.arange(-0.5 * LENGTH, 0.5 * LENGTH, FINE)
+    normal = normal_of(turn)
+    face = np.array(DAM)[:, None] + 0.5 * THICKNESS * normal[:, None]
+    place = face + s * np.array([-normal[1], normal[0]])[:, None]
+    depth = np.maximum(low - ground.level(*place) - base, 0.0)
+    weight = DENSITY * GRAVITY * FINE
+    return low, float(weight * (0.5 * depth**2).sum()), float(weight * (depth**3 / 3.0).sum())
+
+
+def run_backwater(
+    folder: Path, spacing: float, turn: float, crest: float = CREST, end: float = 9.0
+) -> Backwater:
+    """Return what a pool did up to an end, s."""
+    case = backwater_case(folder, spacing, turn, crest, end)
+    scheme, state = scheme_of(case), initial_state(case)
+    scheme.fill_number_density(state)
+    number, push = wall_names(case).index("dam"), []
+    while state.time < end:
+        dt = scheme.stable_dt(state)
+        scheme.step(state, dt)
+        state.time, state.step = state.time + dt, state.step + 1
+        if state.time > end * 2.0 / 3.0:
+            push.append(state.wall_force[number].copy())
+    return _found(case, state, np.mean(push, axis=0), turn)
+
+
+def _found(case: ResolvedCase, state: State, push: Floats, turn: float) -> Backwater:
+    p, normal, base = state.particles, normal_of(turn), case.terrain.origin[2]
+    place = p.position[p.fluid]
+    upstream, _ = _from_face(place[:, 0], place[:, 1], turn)
+    in_front = int(np.count_nonzero(upstream > 0.0))
+    volume = in_front * case.particles.spacing**3
+    level, force, moment = still_water(volume, turn, ground_of(case).surface, base)
+    face = np.array([*(np.array(DAM) + 0.5 * THICKNESS * normal), level - base])
+    along = np.array([-normal[1], normal[0], 0.0])
+    lever = push[3:] - np.cross(face, push[:3])
+    return Backwater(
+        force=float(-push[:2] @ normal),
+        moment=float(abs(lever @ along)),
+        expected_force=force,
+        expected_moment=moment,
+        aside=float(push[:2] @ along[:2]),
+        speed=float(np.linalg.norm(p.velocity[p.fluid], axis=1).mean()),
+        released=int(state.released.sum()),
+        in_front=in_front,
+        passed=int(np.count_nonzero(upstream <= 0.0)),
+        left=int(state.left.sum()),
+        through=int(state.through_wall.sum()),
+    )
