@@ -44,6 +44,7 @@ def release_due(state: State, case: ResolvedCase, time: float) -> None:
             group = _born(release, state, case, time, int(state.released[k]))
         elif state.released[k] == 0:
             group = mass_of(release, case)
+            _lift(group, state.particles, NEAREST * case.particles.spacing)
         else:
             continue
         if group.count:
@@ -52,9 +53,23 @@ def release_due(state: State, case: ResolvedCase, time: float) -> None:
             state.released[k] += group.count
 
 
-def is_pending(case: ResolvedCase, time: float) -> bool:
-    """Return whether anything is to be released after a time, s."""
-    return any(time < end_of(release) for release in case.release)
+def is_pending(case: ResolvedCase, state: State) -> bool:
+    """Return whether anything is still to be released."""
+    return any(state.time < end_of(release) for release in case.release) or bool(
+        waiting(case, state).any()
+    )
+
+
+def waiting(case: ResolvedCase, state: State) -> NDArray[np.int64]:
+    """Return how many particles of each release are due and not there, (releases,) array.
+
+    For lack of room; while a hydrograph flows also those of the next slab.
+    """
+    owed = np.zeros(len(case.release), dtype=np.int64)
+    for k, release in enumerate(case.release):
+        if isinstance(release, ResolvedHydrographRelease):
+            owed[k] = _particles_until(release, state.time, case) - state.released[k]
+    return owed
 
 
 def end_of(release: ResolvedRelease) -> float:
@@ -86,6 +101,8 @@ def mass_of(release: MassRelease, case: ResolvedCase) -> Particles:
     group.position[:] = places.position
     _fill(group, release, concentrations_of(release, case.mixture)[0], case)
     group.velocity[:, :2] = release.velocity
+    _, along, aside = ground_of(case).surface.level_and_slope(*group.position[:, :2].T)
+    group.velocity[:, 2] = along * release.velocity[0] + aside * release.velocity[1]
     group.compression[:] = _compression(group, places.above, case)
     return group
 
@@ -110,27 +127,33 @@ def _born(
 ) -> Particles:
     """Return the particles that a hydrograph brings now; mostly none."""
     d0, graph, now = case.particles.spacing, release.hydrograph, time - release.start
-    owed = int(volume_until(release, time) / d0**3 + ROUND_OFF) - released
+    owed = _particles_until(release, time, case) - released
     discharge = float(np.interp(now, graph.time, graph.discharge, right=0.0))
     slab = discharge / release.velocity / d0**2  # particles while the flow moves by a spacing
     if owed < max(1.0, slab):
         return blank(0)
-    place, along = _places_at_line(release, owed, released, case)
+    place, along, above = _places_at_line(release, owed, released, case)
     group = blank(len(place))
     group.position[:] = place
     group.velocity[:] = release.velocity * along
-    top = place[:, 2].max(initial=-np.inf)
     concentration = float(np.interp(now, graph.time, graph.concentration))
     _fill(group, release, concentration, case)
-    group.compression[:] = _compression(group, top - place[:, 2], case)
+    group.compression[:] = _compression(group, above, case)
     free = _is_free(place, state.particles, NEAREST * d0)
     return _chosen(group, free)
 
 
+def _particles_until(release: ResolvedHydrographRelease, time: float, case: ResolvedCase) -> int:
+    """Return how many whole particles a hydrograph has brought at a time, s."""
+    return int(volume_until(release, time) / case.particles.spacing**3 + ROUND_OFF)
+
+
 def _places_at_line(
     release: ResolvedHydrographRelease, count: int, released: int, case: ResolvedCase
-) -> tuple[Floats, Floats]:
-    """Return where particles are born and the unit vectors along which they move, (n, 3) arrays.
+) -> tuple[Floats, Floats, Floats]:
+    """Return where particles are born, the unit vectors along which they move, and their loads.
+
+    Both are (n, 3) arrays; the load is the height of the flow over the center of each, (n,), m.
 
     Rows along the line are filled from the ground upward; the last is spread over the line, each
     time by other places.
@@ -152,7 +175,19 @@ def _places_at_line(
     place = np.column_stack([x, y, level + (row + 0.5) * d0])
     rise = along * ahead[0] + aside * ahead[1]
     way = np.column_stack([np.full(count, ahead[0]), np.full(count, ahead[1]), rise])
-    return place, way / np.linalg.norm(way, axis=1, keepdims=True)
+    above = (count / across - row - 0.5) * d0
+    return place, way / np.linalg.norm(way, axis=1, keepdims=True), np.maximum(above, 0.0)
+
+
+def _lift(group: Particles, particles: Particles, distance: float) -> None:
+    """Put the columns of a mass on top of fluid that stands in their places."""
+    _, column = np.unique(group.position[:, :2], axis=0, return_inverse=True)
+    column = column.reshape(-1)
+    while True:
+        taken = np.unique(column[~_is_free(group.position, particles, distance)])
+        if not taken.size:
+            return
+        group.position[np.isin(column, taken), 2] += distance
 
 
 def _is_free(place: Floats, particles: Particles, distance: float) -> NDArray[np.bool_]:

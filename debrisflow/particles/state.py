@@ -60,6 +60,8 @@ class State:
     peak_energy : float, J
         Greatest kinetic energy of the fluid since t = 0, in two dimensions J/m; kept where a case
         has a stop rule.
+    sampled_energy : float, J
+        That at the last sample of the history.
     sums : dict of str to float64 array
         Running sum of each probe that has one, by the name of the probe.
     wall_force : (walls, 6) float64 array, N, N m
@@ -89,6 +91,7 @@ class State:
     released: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     next_id: int = 0
     peak_energy: float = 0.0
+    sampled_energy: float = 0.0
     layers: Layers = field(default_factory=no_layers)
     sums: dict[str, Floats] = field(default_factory=dict)
     wall_force: Floats = field(default_factory=lambda: np.zeros((0, 6)))

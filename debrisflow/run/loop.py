@@ -16,7 +16,7 @@ from debrisflow.case import ResolvedCase, load_case
 from debrisflow.case.built import HEAD
 from debrisflow.case.doubts import doubts
 from debrisflow.errors import DivergedError, NotConvergedError, OutputError
-from debrisflow.particles.releases import is_pending
+from debrisflow.particles.releases import is_pending, waiting
 from debrisflow.particles.start import initial_state
 from debrisflow.particles.state import State
 from debrisflow.run import checkpoint
@@ -41,6 +41,7 @@ LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
+MOST_WAITING = 100  # particles of a hydrograph at the end; fewer may be those of the next slab
 INTERRUPTED = "interrupted"
 ENDED, EMPTY, AT_REST = "end of the simulated time", "no fluid is left", "at rest"
 
@@ -198,7 +199,7 @@ class _Run:
         """Take steps until the end, and return why the run ended."""
         state = self.state
         while state.time < self.case.time.end:
-            if state.particles.moving.stop == 0 and not is_pending(self.case, state.time):
+            if state.particles.moving.stop == 0 and not is_pending(self.case, state):
                 return EMPTY
             if self._stops_at_checkpoint():
                 return INTERRUPTED
@@ -361,6 +362,9 @@ class _Run:
         lost = int(state.through_wall.sum())
         if lost:
             LOG.warning("%d particles went through a wall", lost)
+        for k, count in enumerate(waiting(self.case, state)):
+            if count > MOST_WAITING:
+                LOG.warning("release.%d: %d particles found no room to come in", k, count)
         with self.clock.of(WRITING):
             self.results.write_maxima(state)
             if self.recorder is not None:

@@ -6,7 +6,7 @@ from math import inf
 
 from debrisflow.case import ResolvedCase
 from debrisflow.case.resolved import UnsteadyInflow
-from debrisflow.particles.releases import end_of
+from debrisflow.particles.releases import end_of, is_pending
 from debrisflow.particles.state import State
 from debrisflow.space.scene import trajectories
 
@@ -23,7 +23,7 @@ class StopRule:
     """
 
     def __init__(self, case: ResolvedCase) -> None:
-        self._share = case.time.stop_energy
+        self._case, self._share = case, case.time.stop_energy
         self._earliest = last_schedule(case) if self._share is not None else inf
 
     def is_met(self, state: State, energy: float) -> bool:
@@ -34,7 +34,10 @@ class StopRule:
         if self._share is None or state.time < 0.0:
             return False
         state.peak_energy = max(state.peak_energy, energy)
-        return state.time >= self._earliest and energy < self._share * state.peak_energy
+        falls, state.sampled_energy = energy < state.sampled_energy, energy
+        if not falls or state.time <= self._earliest or is_pending(self._case, state):
+            return False  # what has just been released starts at rest
+        return energy < self._share * state.peak_energy
 
 
 def last_schedule(case: ResolvedCase) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -166,14 +167,25 @@ def ground_of(case: ResolvedCase) -> Ground:
     """Return the ground of a case on a terrain."""
     masses = (part for part in case.release if not isinstance(part, HydrographRelease))
     scars = tuple(mass for mass in masses if is_taken_out(mass))
-    return _ground(case.terrain, scars, case.zone, first_zone(case))
+    named = [case.terrain.dem, *(getattr(scar, "file", None) for scar in scars)]
+    named += [file for zone in case.zone for file in (zone.file, zone.raster)]
+    states = [Path(file).stat() for file in named if file is not None]
+    stamps = tuple((state.st_mtime_ns, state.st_size) for state in states)
+    return _ground(case.terrain, scars, case.zone, first_zone(case), stamps)
 
 
 @lru_cache(maxsize=4)
 def _ground(
-    shape: ResolvedTerrain, scars: tuple[MassRelease, ...], zones: tuple[Zone, ...], first: int
+    shape: ResolvedTerrain,
+    scars: tuple[MassRelease, ...],
+    zones: tuple[Zone, ...],
+    first: int,
+    stamps: tuple[tuple[int, int], ...],
 ) -> Ground:
-    """Return the ground of a terrain; zones are numbered from the first on."""
+    """Return the ground of a terrain, as its files are at stamps of their times and sizes.
+
+    Zones are numbered from the first on.
+    """
     raster = shape.levels
     grid = raster.grid
     given = raster.plan - shape.origin[2]

@@ -29,7 +29,7 @@ def state():
     layers = Layers(*rng.uniform(0.0, 9.0, (6, 4, 3)))
     sediment = [rng.uniform(0.0, 9.0, 3) for _ in range(3)]
     sums = {"section": rng.uniform(-9.0, 9.0, (2, 3)), "wall": np.array([1 / 3, -0.0, 5e-324])}
-    counters = *counts, *sediment, 2**41, 13, 11, -1 / 3, np.array([7]), 2**40, 0.7, layers
+    counters = *counts, *sediment, 2**41, 13, 11, -1 / 3, np.array([7]), 2**40, 0.7, 0.6, layers
     return State(particles, maxima, 0.1 + 0.2, 7, 1e-3 / 3, *counters, sums)
 
 

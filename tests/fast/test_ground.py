@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from debrisflow.case import ResolvedCase, build_case
 from debrisflow.case.coverage import depth_on, holds_middles
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.case.released import volume
 from debrisflow.neighbors.height_field import ground_at, levels_at, number_under
-from debrisflow.particles.releases import is_pending, release_due, volume_until
+from debrisflow.particles.releases import is_pending, release_due, volume_until, waiting
 from debrisflow.particles.start import initial_state
 from debrisflow.run.ledger import ledger_row
 from debrisflow.schemes.surfaces import record_of_ground
@@ -169,14 +170,15 @@ def test_a_mass_is_released_at_its_time(build: Build) -> None:
     state = initial_state(case)
     first, later = (round(volume(release) / SPACING**3) for release in case.release)
     assert state.particles.fluid_count == first
-    assert is_pending(case, 1.0)
-    assert not is_pending(case, 2.5)
+    assert is_pending(case, state)
     release_due(state, case, 1.99)
     assert state.particles.fluid_count == first
     release_due(state, case, 2.0)
     release_due(state, case, 3.0)
     assert state.particles.fluid_count == first + later
     np.testing.assert_array_equal(state.released, [first, later])
+    state.time = 2.5
+    assert not is_pending(case, state)
     assert len(set(state.particles.id.tolist())) == state.particles.count
 
 
@@ -220,3 +222,69 @@ def test_the_ledger_closes(build: Build) -> None:
     assert released == moving + at_rest + left + lost
     assert (moving, left, lost) == (100, 0, 0)
     assert whole == pytest.approx(released * SPACING**3)
+
+
+def nearest(position: np.ndarray) -> float:
+    """Return the least distance between two places, in spacings."""
+    apart, _ = cKDTree(position).query(position, k=2)
+    return float(apart[:, 1].min() / SPACING)
+
+
+def test_scars_side_by_side_share_no_place(build: Build) -> None:
+    scar = {"type": "polygon", "depth": 2.0, "place": "in-terrain"}
+    one = scar | {"corners": corners(40.0, 56.0, 24.0, 40.0)}
+    other = scar | {"corners": corners(56.0, 72.0, 24.0, 40.0)}
+    state = initial_state(build(one, other))
+    assert state.particles.fluid_count == 2 * 512
+    assert nearest(state.particles.position) > 0.8
+
+
+def test_masses_side_by_side_share_no_place(build: Build) -> None:
+    mass = {"type": "polygon", "depth": 2.0}
+    one = mass | {"corners": corners(41.0, 55.0, 25.0, 40.0)}
+    other = mass | {"corners": corners(55.0, 71.0, 25.0, 40.0)}
+    state = initial_state(build(one, other))
+    assert nearest(state.particles.position) > 0.8
+
+
+def test_a_later_mass_comes_on_top_of_what_is_there(build: Build) -> None:
+    case = build(POLYGON, POLYGON | {"start": 1.0})
+    state = initial_state(case)
+    release_due(state, case, 1.0)
+    assert state.released[0] == state.released[1]
+    assert nearest(state.particles.position) > 0.69
+
+
+def test_a_narrow_mass_keeps_its_volume(build: Build) -> None:
+    narrow = {"type": "polygon", "corners": corners(41.1, 41.4, 20.0, 60.0), "volume": 60.0}
+    position = initial_state(build(narrow)).particles.position
+    assert len(position) == 60
+    assert np.ptp(position[:, 1]) > 38.0
+
+
+def test_a_flow_that_enters_a_valley_bears_the_load_of_its_own_columns(build: Build) -> None:
+    across = [[WEST + 20.0, SOUTH + 2.0], [WEST + 20.0, SOUTH + 78.0]]
+    graph = {"time": [0.0, 4.0], "discharge": [300.0, 300.0], "concentration": [0.3, 0.3]}
+    case = build(FLOOD | {"line": across, "hydrograph": graph})
+    state = initial_state(case)
+    release_due(state, case, 1.0)
+    assert np.ptp(state.particles.position[:, 2]) > 5.0  # banks and bed
+    load = state.particles.compression * case.explicit_scheme.sound_speed**2 / 9.81
+    assert 0.0 < load.max() < 300.0 / 76.0 + 1.0
+
+
+def test_a_hydrograph_without_room_waits(build: Build) -> None:
+    case = build(FLOOD)
+    state = initial_state(case)
+    for state.time in (2.0, 4.0, 30.0):  # nothing moves on
+        release_due(state, case, state.time)
+    owed = int(waiting(case, state)[0])
+    assert owed == 180 - state.particles.fluid_count
+    assert owed > 40
+    assert is_pending(case, state)
+
+
+def test_a_mass_moves_along_the_ground(build: Build) -> None:
+    case = build(POLYGON | {"velocity": [3.0, 0.0]})
+    u, _, w = initial_state(case).particles.velocity.T
+    np.testing.assert_allclose(w / u, -0.3, atol=0.01)

@@ -33,9 +33,21 @@ def test_a_share_of_the_greatest_energy_so_far_is_rest():
     assert not rule.is_met(state, 50.0)  # while the fills settle
     state.time = 0.0
     assert not rule.is_met(state, 0.0)  # before anything has moved
+    state.time = 0.5
     for energy, rests in ((1.0, False), (3.0, False), (0.031, False), (0.029, True)):
         assert rule.is_met(state, energy) == rests
     assert state.peak_energy == 3.0
+
+
+def test_what_is_released_late_is_not_at_rest():
+    case = tank_case(6, 6, "water", time={"end": 90.0, "stop_energy": 0.01})
+    state, rule = initial_state(case), StopRule(case)
+    rule._earliest = 40.0  # a second mass starts then, when the first has long been at rest
+    rows = ((5.0, 5000.0), (39.5, 10.0), (40.0, 10.0), (40.5, 15.0), (41.0, 900.0), (60.0, 20.0))
+    found = []
+    for state.time, energy in rows:
+        found.append(rule.is_met(state, energy))
+    assert found == [False, False, False, False, False, True]
 
 
 def test_without_the_rule_nothing_is_kept():

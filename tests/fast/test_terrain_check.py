@@ -122,7 +122,7 @@ def test_within_reach_is_what_lies_below_the_energy_line(tmp_path):
 
 class TestPicture:
     def test_a_case_is_drawn(self, tmp_path):
-        box = {"type": "box", "name": "dam", "z": [70.0, 80.0]}
+        box = {"type": "box", "name": "dam", "z": [70.0, 90.0]}
         box |= {"x": [WEST + 60, WEST + 62], "y": [SOUTH + 10, SOUTH + 30]}
         zone = {"name": "fan", "corners": [[x + 40, y] for x, y in SQUARE]}
         zone["friction"] = {"law": "coulomb", "angle": 20.0}
