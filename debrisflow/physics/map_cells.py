@@ -1,8 +1,8 @@
 """Depth, speed, momentum flux and pressure of the flow in the cells of a map.
 
-The volume of each particle, d0^3, is spread evenly over a square of side 2 d0 around its place, each
-cell getting the share by which the square overlaps it.  With the sums of a cell of
-area A over its shares s
+The volume of each particle, d0^3, is spread evenly over a square of side 2 d0 around its place,
+each cell getting the share by which the square overlaps it.  With the sums of a cell of area A over
+its shares s
 
     h = d0^3 sum(s) / A,   u = |sum(s rho u)| / sum(s rho),   h u^2,   rho u^2
 

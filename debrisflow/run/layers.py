@@ -31,8 +31,8 @@ FRAME_HEAD = (
 )
 ENDINGS = ("tif", "asc")
 ESTIMATOR = (
-    "volume of each particle spread evenly over a square of side 2 particle_spacing, by overlap with "
-    "cells; sampled every step"
+    "volume of each particle spread evenly over a square of side 2 particle_spacing, by overlap "
+    "with cells; sampled every step"
 )
 
 
