@@ -213,10 +213,11 @@ def _read_by_gdal(path: Path) -> Raster:
             file = rasterio.open(path)
         with file:
             grid = _grid_of(file)
-            values = file.read(1, masked=True).astype(np.float64).filled(np.nan)
+            stored = file.read(1, masked=True).astype(np.float64).filled(np.nan)
+            values = stored * file.scales[0] + file.offsets[0]
     except rasterio.errors.RasterioError as error:
         raise UnreadableRasterError(f"cannot be read as a raster: {error}") from error
-    return Raster(grid, _without_sentinels(values))
+    return Raster(grid, np.where(np.isnan(_without_sentinels(stored)), np.nan, values))
 
 
 def _grid_of(file: Any) -> MapGrid:

@@ -114,6 +114,18 @@ def test_wrong_geotiffs_are_refused(
         read_raster(path)
 
 
+def test_stored_numbers_are_scaled_as_the_band_says(tmp_path: Path) -> None:
+    path = tmp_path / "decimeters.tif"
+    stored = np.array([[12345, -9999], [10, -20]], dtype=np.int16)
+    place = {"crs": UTM, "transform": Affine(2.5, 0.0, 0.0, 0.0, -2.5, 5.0)}
+    form = {"width": 2, "height": 2, "count": 1, "dtype": "int16", "nodata": -9999}
+    with rasterio.open(path, "w", driver="GTiff", **form, **place) as file:
+        file.write(stored, 1)
+        file.scales, file.offsets = (0.1,), (100.0,)
+    found = read_raster(path).values
+    np.testing.assert_allclose(found, [[1334.5, np.nan], [101.0, 98.0]])
+
+
 def test_a_file_that_is_no_raster_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "dem.tif"
     path.write_bytes(b"II*\0 cut short")
