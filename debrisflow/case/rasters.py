@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.reference_systems import METRE
+from debrisflow.case.reference_systems import METRE, fault_of_heights
 
 Floats = NDArray[np.float64]
 NODATA = -9999.0
@@ -248,6 +248,8 @@ def _grid_of(file: Any) -> MapGrid:
             f"has coordinates in {crs.linear_units}; project it to a system in meters, and convert "
             "its levels if they are in feet too"
         )
+    if crs is not None and (fault := fault_of_heights(crs.to_wkt())):
+        raise UnreadableRasterError(fault)
     unit = (file.units or (None,))[0]
     if unit and not METRE.fullmatch(unit):
         raise UnreadableRasterError(f"has levels in {unit}; convert them to meters")
@@ -352,6 +354,8 @@ def _prj_of(path: Path) -> str:
         raise UnreadableRasterError(
             f"has coordinates in {units[-1]}, says {beside.name}; project it to a system in meters"
         )
+    if fault := fault_of_heights(wkt):
+        raise UnreadableRasterError(fault)
     return wkt
 
 

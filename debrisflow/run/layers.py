@@ -52,7 +52,7 @@ LAYERS = {
     "duration": Layer("s", "time during which the depth exceeds the threshold"),
     "deposit": Layer("m", "depth at the end of what is slower than output.rest_speed"),
     "final_depth": Layer("m", "depth at the end"),
-    "release": Layer("m", "depth at the start"),
+    "release": Layer("m", "depth of all masses that are released, also later than at the start"),
     "terrain": Layer("m", "elevation of the terrain as given"),
 }
 WHILE_DEEP = ("peak_speed", "peak_momentum_flux", "peak_pressure", "arrival", "duration")

@@ -96,6 +96,7 @@ def test_wrong_ascii_grids_are_refused(tmp_path: Path, text: str, words: str) ->
 @pytest.mark.parametrize(
     ("crs", "transform", "words"),
     [
+        ("26910+6360", Affine(1.0, 0.0, 5.0, 0.0, -1.0, 0.0), "heights in US survey foot"),
         (4326, Affine(0.001, 0.0, 138.0, 0.0, -0.001, 36.0), "geographic coordinates"),
         (2225, Affine(1.0, 0.0, 6e6, 0.0, -1.0, 2e6), "coordinates in US survey foot"),
         (32610, Affine(1.0, 0.0, 5.0, 0.0, 1.0, 0.0), "south up"),
@@ -104,7 +105,7 @@ def test_wrong_ascii_grids_are_refused(tmp_path: Path, text: str, words: str) ->
     ],
 )
 def test_wrong_geotiffs_are_refused(
-    tmp_path: Path, crs: int, transform: Affine, words: str
+    tmp_path: Path, crs: int | str, transform: Affine, words: str
 ) -> None:
     path = tmp_path / "dem.tif"
     form = {"driver": "GTiff", "width": 2, "height": 2, "count": 1, "dtype": "float32"}
