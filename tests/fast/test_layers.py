@@ -177,6 +177,12 @@ def test_a_release_on_a_known_cell_appears_on_that_cell(tmp_path: Path) -> None:
     assert deposit.sum() == 0.0
 
 
+def test_the_page_of_the_layers_says_what_they_hold() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "terrain_outputs.md").read_text(encoding="utf-8")
+    for name, layer in LAYERS.items():
+        assert f"| `{name}` | {layer.unit} | {layer.meaning} |" in page
+
+
 def test_styles_are_xml_with_a_class_for_all_values(tmp_path: Path) -> None:
     recorder, flow = recorded()
     layers = no_layers(GRID.columns, GRID.rows)
