@@ -13,8 +13,9 @@ from debrisflow.case.rasters import MapGrid, Raster, UnreadableRasterError, read
 from debrisflow.case.reference_systems import differ
 from debrisflow.case.vectors import UnreadableVectorsError, read_polygons
 from debrisflow.errors import CaseError
-from debrisflow.results.flow_path import along, centers, flow_path, start_of_path
+from debrisflow.results.flow_path import along, centers, path_of
 from debrisflow.results.layers import read_layer
+from debrisflow.results.reader import open_run
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -125,7 +126,7 @@ class Comparison(NamedTuple):
     observed, simulated, compared : (rows, columns) bool array
         Reached cells, and those that are compared.
     path : shapely.LineString
-        Along which run-out distances are measured, from the middle of the release.
+        Along which run-out distances are measured, from the middle of the first release.
     contingency : Contingency
     rows : list of Row
     """
@@ -178,7 +179,7 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
         raise CaseError(f"{file}: nothing of what was observed lies on the map of {run}")
     simulated = np.nan_to_num(depth.values) > threshold
     agreement = contingency(seen.reached, simulated, compared)
-    path = flow_path(terrain, *start_of_path(run, grid))
+    path = path_of(open_run(run).case, terrain)
     rows = [
         Row("threshold", threshold, "m", "depth and change of elevation from which a cell counts"),
         *_extent_rows(agreement, _unknown(seen.change) & simulated & compared, grid),
@@ -312,7 +313,7 @@ def _distance_rows(
             )
             found.append(float(to_all.max(initial=0.0)))
         seen, made = found
-        from_start = f"from the middle of the release, {how}, to the farthest cell"
+        from_start = f"from the middle of the first release, {how}, to the farthest cell"
         rows += [
             Row(f"{word}_observed", seen, "m", from_start),
             Row(f"{word}_simulated", made, "m", from_start),
