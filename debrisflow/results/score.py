@@ -159,7 +159,8 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
         Polygons of the reached area, or a raster of the change of elevation, m.
     threshold : float, m, optional
         Depth, and change of elevation, from which a cell counts; if left out 0.3 m of a raster,
-        and with polygons wherever the layers of the run have data.
+        and with polygons ``output.layer_depth``.  Less than that no depth can be told, since
+        ``peak_depth`` has no data there.
 
     Raises
     ------
@@ -179,13 +180,17 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
         raise CaseError(f"{file}: nothing of what was observed lies on the map of {run}")
     simulated = np.nan_to_num(depth.values) > threshold
     agreement = contingency(seen.reached, simulated, compared)
-    path = path_of(open_run(run).case, terrain)
+    case = open_run(run).case
+    path = path_of(case, terrain)
+    least = max(threshold, case.output.layer_depth)
     rows = [
-        Row("threshold", threshold, "m", "depth and change of elevation from which a cell counts"),
+        Row("threshold", least, "m", "depth from which a cell is simulated"),
         *_extent_rows(agreement, _unknown(seen.change) & simulated & compared, grid),
         *_distance_rows(seen.reached, simulated, path, grid),
     ]
     if seen.change is not None:
+        change = "change of elevation from which a cell is observed, and deposit counts"
+        rows.insert(1, Row("threshold_change", threshold, "m", change))
         deposit = np.nan_to_num(read_layer(run, "deposit").values)
         rows += _deposit_rows(np.nan_to_num(seen.change), deposit, compared, threshold, grid)
     return Comparison(terrain, seen.reached, simulated, compared, path, agreement, rows)

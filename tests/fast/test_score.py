@@ -18,6 +18,7 @@ from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.case.vectors import write_polygons
 from debrisflow.cli import main
 from debrisflow.errors import CaseError
+from debrisflow.results import open_run
 from debrisflow.results.flow_path import flow_path
 from debrisflow.results.score import (
     Contingency,
@@ -120,6 +121,7 @@ def test_a_change_of_elevation_is_compared_with_the_deposit(run: Path, tmp_path:
     found = figures(run, file)
     expected = {
         "threshold": 0.3,
+        "threshold_change": 0.3,
         "hits": 2,
         "misses": 1,
         "false_alarms": 1,
@@ -155,6 +157,18 @@ def test_a_finer_survey_is_averaged_and_a_coarser_one_sampled() -> None:
     assert on_grid(fine, GRID).mean() == pytest.approx(fine.values.mean())
     coarse = Raster(MapGrid(1000.0, 2000.0, 30.0, 1, 1), np.array([[4.0]]))
     np.testing.assert_array_equal(on_grid(coarse, GRID), np.full((3, 3), 4.0))
+
+
+def test_the_depth_that_decides_is_told(run: Path, tmp_path: Path) -> None:
+    file, dod = tmp_path / "extent.geojson", tmp_path / "dod.asc"
+    write_polygons(file, [shapely.box(1011.0, 2004.0, 1019.0, 2030.0)], crs=UTM)
+    write_raster(dod, Raster(GRID, np.array(CHANGE)))
+    least = open_run(run).case.output.layer_depth
+    assert figures(run, file)["threshold"] == least > 0.0
+    assert figures(run, file, 0.7)["threshold"] == 0.7
+    assert "threshold_change" not in figures(run, file)
+    told = figures(run, dod, 0.5 * least)
+    assert (told["threshold"], told["threshold_change"]) == (least, 0.5 * least)
 
 
 def test_the_path_leaves_a_hollow_by_its_outlet() -> None:
