@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -65,7 +64,7 @@ class Origin(NamedTuple):
     Attributes
     ----------
     case : str
-        Text of the resolved case.
+        SHA-256 of the case and its files, see :func:`debrisflow.case.content.digest_of_content`.
     spacing : float
         d0, m.
     threshold : float, m
@@ -89,7 +88,7 @@ class Origin(NamedTuple):
             "threshold": f"{self.threshold:g} m",
             "particle_spacing": f"{self.spacing:g} m",
             "time": f"{self.time:.9g} s",
-            "case_sha256": hashlib.sha256(self.case.encode()).hexdigest(),
+            "case_sha256": self.case,
             "software": f"debrisflow {__version__}",
         }
 
