@@ -128,6 +128,13 @@ class TestResolved:
         ground = terrain(build(geometry={"crop": "part.geojson"}))
         assert ground.crop == (WEST + 10.0, SOUTH + 20.0, WEST + 150.0, SOUTH + 110.0)
 
+    def test_a_crop_holds_its_polygons(self, build: Build, tmp_path: Path) -> None:
+        part = shapely.box(WEST + 12.4, SOUTH + 22.6, WEST + 147.4, SOUTH + 107.6)
+        write_polygons(tmp_path / "part.geojson", [part])
+        ground = terrain(build(geometry={"crop": "part.geojson"}))
+        assert ground.crop == (WEST + 10.0, SOUTH + 20.0, WEST + 150.0, SOUTH + 110.0)
+        assert ground.levels.grid.west == WEST + 10.0
+
     def test_the_surface_is_three_spacings_wide(self, build: Build) -> None:
         assert terrain(build(particles={"spacing": 2.0})).cell == 10.0
 
