@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from debrisflow.case.reference_systems import METRE, fault_of_heights
 
 Floats = NDArray[np.float64]
+Stamp = tuple[int, int]
 NODATA = -9999.0
 ASCII = (".asc", ".agr", ".grd")
 INSTALL = 'is read by rasterio, which is not installed: pip install "debrisflow[terrain]"'
@@ -140,15 +141,25 @@ def read_raster(path: Path) -> Raster:
         degrees or feet.
     """
     try:
-        state = path.stat()
-        return _read(path, (state.st_mtime_ns, state.st_size))
+        return _read(path, stamp_of(path))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise UnreadableRasterError(f"cannot be read: {reason}") from error
 
 
+def stamp_of(path: Path) -> Stamp:
+    """Return what tells that a file has not changed: its time, ns, and its size.
+
+    Raises
+    ------
+    OSError
+    """
+    state = path.stat()
+    return state.st_mtime_ns, state.st_size
+
+
 @lru_cache(maxsize=8)
-def _read(path: Path, stamp: tuple[int, int]) -> Raster:
+def _read(path: Path, stamp: Stamp) -> Raster:
     """Return the raster of a file, as it is at a stamp of its time and size."""
     raster = _read_ascii(path) if path.suffix.lower() in ASCII else _read_by_gdal(path)
     if not np.isfinite(raster.values).any():

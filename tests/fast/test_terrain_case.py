@@ -295,6 +295,17 @@ class TestSpeeds:
         assert case.explicit_scheme.sound_speed == pytest.approx(6.0 * held, rel=1e-4)
         assert speeds(case) == pytest.approx((0.0, held), rel=1e-4)
 
+    def test_a_dem_that_is_written_anew_is_read_anew(self, build: Build, tmp_path: Path) -> None:
+        steep = self.expected(build())
+        flat = 300.0 + 0.5 * (levels() - 300.0)
+
+        def found(level: np.ndarray) -> float:
+            write_raster(tmp_path / "dem.asc", Raster(GRID, level))
+            place = {"origin": [WEST, SOUTH, 100.0], "upper_level": 400.0}
+            return self.expected(build(geometry=place))
+
+        assert found(levels()) == steep > found(flat)
+
     def test_sliding_is_held_by_the_drop_alone(self, build: Build) -> None:
         law = {"law": "coulomb", "angle": 10.0}
         found = self.expected(build(walls={"floor": {"friction": law}}))
