@@ -9,8 +9,14 @@ from debrisflow.neighbors.half_space import PULLED_BACK
 from debrisflow.results.reader import Run
 from debrisflow.run.loop import simulate
 from debrisflow.schemes.surfaces import elements_from
+from debrisflow.space import mesh_pieces
 from debrisflow.space.ground import ground_of
-from debrisflow.space.mesh_pieces import area_vectors, faces_in_open, pieces_of
+from debrisflow.space.mesh_pieces import (
+    area_vectors,
+    faces_in_open,
+    pieces_of,
+    top_of_structures,
+)
 from tests.validation.backwater import (
     CREST,
     DAM,
@@ -62,6 +68,23 @@ def run(tmp_path_factory):
 def last(run, name):
     table = run.probe(name)
     return {column: table[column][-1] for column in table}
+
+
+def test_the_top_of_structures_is_found_with_one_cut(tmp_path, monkeypatch):
+    case = case_of(tmp_path, probes=[])
+    (dam,) = case.obstacle
+    higher = {"name": "tower", "z": (dam.z[0], dam.z[1] + 3.0), "turn": 0.0}
+    higher |= {"x": (10.0, 14.0), "y": (10.0, 14.0)}
+    case = case.model_copy(update={"obstacle": (dam, dam.model_copy(update=higher))})
+    cuts = []
+    monkeypatch.setattr(
+        mesh_pieces, "pieces_of", lambda *given: cuts.append(1) or pieces_of(*given)
+    )
+    middle = [0.5 * sum(ends) for ends in (dam.x, dam.y)]
+    assert top_of_structures(case, *middle) == pytest.approx(dam.z[1])
+    assert top_of_structures(case, 12.0, 12.0) == pytest.approx(dam.z[1] + 3.0)
+    assert top_of_structures(case, 1.0, 1.0) == -np.inf
+    assert len(cuts) == 3
 
 
 def test_a_dam_is_closed_above_the_ground_and_has_nothing_below(tmp_path):
