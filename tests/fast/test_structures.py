@@ -17,6 +17,7 @@ from debrisflow.space.mesh_pieces import (
     pieces_of,
     top_of_structures,
 )
+from debrisflow.space.scene import faces_of
 from tests.validation.backwater import (
     CREST,
     DAM,
@@ -85,6 +86,14 @@ def test_the_top_of_structures_is_found_with_one_cut(tmp_path, monkeypatch):
     assert top_of_structures(case, 12.0, 12.0) == pytest.approx(dam.z[1] + 3.0)
     assert top_of_structures(case, 1.0, 1.0) == -np.inf
     assert len(cuts) == 3
+
+
+def test_a_turned_box_has_one_outline(tmp_path):
+    (dam,) = case_of(tmp_path, probes=[]).obstacle
+    corners = np.unique(faces_of(dam)[:, :, :2].reshape(-1, 2).round(9), axis=0)
+    np.testing.assert_allclose(corners, sorted(dam.corners_in_plan))
+    back = np.array([dam.unturned((*corner, 1.0)) for corner in dam.corners_in_plan]).round(9)
+    assert sorted(back.tolist()) == [[x, y, 1.0] for x in dam.x for y in dam.y]
 
 
 def test_a_dam_is_closed_above_the_ground_and_has_nothing_below(tmp_path):
