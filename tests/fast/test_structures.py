@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from debrisflow.case import dump_case, load_case
 from debrisflow.neighbors.half_space import PULLED_BACK
 from debrisflow.results.reader import Run
 from debrisflow.run.loop import simulate
@@ -86,6 +87,22 @@ def test_the_top_of_structures_is_found_with_one_cut(tmp_path, monkeypatch):
     assert top_of_structures(case, 12.0, 12.0) == pytest.approx(dam.z[1] + 3.0)
     assert top_of_structures(case, 1.0, 1.0) == -np.inf
     assert len(cuts) == 3
+
+
+def test_a_base_below_the_origin_counts_as_one_in_the_ground(tmp_path):
+    case = case_of(tmp_path, probes=[])
+    (dam,) = case.obstacle
+    deep = dam.model_copy(update={"z": (-500.0, dam.z[1])})
+    text = dump_case(case.model_copy(update={"obstacle": (deep,)}))
+    (tmp_path / "deep.toml").write_text(text)
+    found = load_case(tmp_path / "deep.toml")
+    assert found.obstacle == (deep,)
+    faces, built = faces_in_open(found, "dam"), faces_in_open(case, "dam")
+    high, low = (level[:, :, 2].max() for level in (faces, built))
+    assert high == low
+    assert faces[:, :, 2].min() == pytest.approx(built[:, :, 2].min(), abs=0.1)
+    areas = [np.abs(area_vectors(each)).sum(axis=0) for each in (faces, built)]
+    np.testing.assert_allclose(*areas, rtol=0.02)
 
 
 def test_a_turned_box_has_one_outline(tmp_path):
