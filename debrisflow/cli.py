@@ -447,8 +447,8 @@ def hazard(folder: Path, classes: str) -> None:
     "--threshold",
     type=click.FloatRange(min=0.0),
     callback=_finite,
-    help="Depth, and change of elevation, from which a cell counts, m; 0.3 for a raster if left "
-    "out, and wherever the layers of the run have data for polygons.",
+    help="Depth, and change of elevation, from which a cell counts, m; if left out 0.3 for a "
+    "raster, and output.layer_depth of the run for polygons.",
 )
 def score(folder: Path, observed: Path, threshold: float | None) -> None:
     """Compare the run in the folder RUN, on a terrain, with an observed extent or deposit."""

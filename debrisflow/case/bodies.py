@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from math import cos, radians, sin
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, Strict
 
 from debrisflow.case.fields import (
@@ -20,6 +22,7 @@ from debrisflow.case.fields import (
 from debrisflow.case.materials import pore_pressure_decay, pore_pressure_share
 from debrisflow.case.motion import Motion
 
+Number = TypeVar("Number", float, NDArray[np.float64])
 MESH_FILE = "closed surface of triangles: an STL, OBJ or PLY file, looked for beside the case"
 
 
@@ -79,26 +82,32 @@ class BoxObstacle(Table):
         """Its extents along the axes of the space; the last one is upward."""
         return (self.x, self.y) if self.z is None else (self.x, self.y, self.z)
 
+    def turned(self, x: Number, y: Number, by: float) -> tuple[Number, Number]:
+        """Return places in plan, m, turned about its middle to the left by an angle, degrees.
+
+        Examples
+        --------
+        >>> box = BoxObstacle(type="box", name="a", x=(0.0, 4.0), y=(0.0, 2.0), z=(0.0, 1.0))
+        >>> x, y = box.turned(4.0, 1.0, 90.0)
+        >>> round(x, 9), round(y, 9)
+        (2.0, 3.0)
+        """
+        if by == 0.0:
+            return x, y
+        a, b = 0.5 * (self.x[0] + self.x[1]), 0.5 * (self.y[0] + self.y[1])
+        along, aside = cos(radians(by)), sin(radians(by))
+        return a + along * (x - a) - aside * (y - b), b + aside * (x - a) + along * (y - b)
+
     def unturned(self, place: tuple[float, float, float]) -> tuple[float, float, float]:
         """Return a place, m, turned back about its middle, by as much as the box is turned."""
-        if self.turn == 0.0:
-            return place
-        a, b = 0.5 * (self.x[0] + self.x[1]), 0.5 * (self.y[0] + self.y[1])
-        along, aside = cos(radians(self.turn)), sin(radians(self.turn))
-        dx, dy = place[0] - a, place[1] - b
-        return a + along * dx + aside * dy, b - aside * dx + along * dy, place[2]
+        return *self.turned(place[0], place[1], -self.turn), place[2]
 
     @property
     def corners_in_plan(self) -> tuple[Vector, ...]:
         """Its four corners as seen from above, one after the other around it, m."""
         (x0, x1), (y0, y1) = self.x, self.y
-        a, b = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
-        along, aside = cos(radians(self.turn)), sin(radians(self.turn))
-        found = []
-        for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)):
-            dx, dy = x - a, y - b
-            found.append((a + along * dx - aside * dy, b + aside * dx + along * dy))
-        return tuple(found)
+        plain = (x0, y0), (x1, y0), (x1, y1), (x0, y1)
+        return tuple(self.turned(x, y, self.turn) for x, y in plain)
 
 
 class PolygonObstacle(Table):

@@ -15,7 +15,7 @@ from debrisflow.case.rasters import UnreadableRasterError, read_raster
 from debrisflow.case.reference_systems import differ
 from debrisflow.case.releases import Hydrograph
 from debrisflow.case.series import UnreadableSeriesError, read_series
-from debrisflow.case.terrain import bounds
+from debrisflow.case.terrain import bounds, cells_around
 from debrisflow.case.vectors import (
     UnreadableVectorsError,
     look_like_degrees,
@@ -59,6 +59,7 @@ def find_map_files(data: dict[str, Any], folder: Path) -> dict[str, list[Problem
             for k, entry in enumerate(entries if isinstance(entries, list) else [])
             if isinstance(entry, dict)
         ]
+    dem: Path | None = None
     crs, reaches = "", None
     for key, table in places:
         for field, read in _readers(key, table).items():
@@ -69,11 +70,13 @@ def find_map_files(data: dict[str, Any], folder: Path) -> dict[str, list[Problem
             try:
                 table[field], found, box = read(path)
                 if field == "dem":
-                    crs, reaches = found, box
+                    dem, crs, reaches = path, found, box
                 elif differ(found, crs):
                     raise UnreadableVectorsError(OTHER_SYSTEM)
                 elif reaches and _far_in_degrees(box, reaches):
                     raise UnreadableVectorsError(DEGREES)
+                elif dem and field == "crop":
+                    table[field] = list(cells_around(table[field], read_raster(dem).grid))
             except (UnreadableRasterError, UnreadableVectorsError, UnreadableSeriesError) as error:
                 table[field] = given
                 wrong = Problem(f"{key}.{field}", str(error), given)

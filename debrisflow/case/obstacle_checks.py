@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import combinations
+from math import inf
 
 from debrisflow.case.bodies import BoxObstacle, MeshFill, MeshObstacle, PolygonObstacle
 from debrisflow.case.polygons import fault_of, thickness
@@ -11,6 +12,7 @@ from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.regions import (
     TOLERANCE,
     WALL_SHIFT,
+    Region,
     lattice_points,
     occupied,
     open_space,
@@ -18,6 +20,7 @@ from debrisflow.case.regions import (
 )
 from debrisflow.case.shapes import Geometry, is_three_dimensional
 from debrisflow.case.tables import AnyFill, AnyObstacle, AnyScheme, Particles, Walls
+from debrisflow.case.terrain import Terrain
 
 Fill = tuple[AnyFill, ...]
 Obstacles = tuple[AnyObstacle, ...]
@@ -93,12 +96,15 @@ def polygons_of_surfaces(scheme: AnyScheme, obstacle: Obstacles) -> Problems:
 
 
 def obstacles_inside(geometry: Geometry, particles: Particles, obstacle: Obstacles) -> Problems:
-    """Check that obstacles lie inside the space."""
+    """Check that obstacles lie inside the space; on a terrain they may reach below it."""
     spaces = list(dict.fromkeys(open_space(geometry, particles)))
     for k, body in _of_dimension(geometry, obstacle).items():
         area = occupied(body)
         slack = TOLERANCE + (WALL_SHIFT if isinstance(body, MeshObstacle) else 0.0)
-        if not any(space.shrunk(-slack * particles.spacing).holds(area) for space in spaces):
+        rooms = [space.shrunk(-slack * particles.spacing) for space in spaces]
+        if isinstance(geometry, Terrain):  # what lies in the ground is left out
+            rooms = [Region((*room.lower[:2], -inf), room.upper) for room in rooms]
+        if not any(room.holds(area) for room in rooms):
             room = " or ".join(map(str, spaces))
             message = f"the {body.type} {area} is not inside the {geometry.type}, {room}"
             yield Problem(f"obstacle.{k}", message)

@@ -16,9 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.reference_systems import METRE
+from debrisflow.case.reference_systems import METRE, fault_of_heights
 
 Floats = NDArray[np.float64]
+Stamp = tuple[int, int]
 NODATA = -9999.0
 ASCII = (".asc", ".agr", ".grd")
 INSTALL = 'is read by rasterio, which is not installed: pip install "debrisflow[terrain]"'
@@ -140,15 +141,25 @@ def read_raster(path: Path) -> Raster:
         degrees or feet.
     """
     try:
-        state = path.stat()
-        return _read(path, (state.st_mtime_ns, state.st_size))
+        return _read(path, stamp_of(path))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise UnreadableRasterError(f"cannot be read: {reason}") from error
 
 
+def stamp_of(path: Path) -> Stamp:
+    """Return what tells that a file has not changed: its time, ns, and its size.
+
+    Raises
+    ------
+    OSError
+    """
+    state = path.stat()
+    return state.st_mtime_ns, state.st_size
+
+
 @lru_cache(maxsize=8)
-def _read(path: Path, stamp: tuple[int, int]) -> Raster:
+def _read(path: Path, stamp: Stamp) -> Raster:
     """Return the raster of a file, as it is at a stamp of its time and size."""
     raster = _read_ascii(path) if path.suffix.lower() in ASCII else _read_by_gdal(path)
     if not np.isfinite(raster.values).any():
@@ -213,10 +224,11 @@ def _read_by_gdal(path: Path) -> Raster:
             file = rasterio.open(path)
         with file:
             grid = _grid_of(file)
-            values = file.read(1, masked=True).astype(np.float64).filled(np.nan)
+            stored = file.read(1, masked=True).astype(np.float64).filled(np.nan)
+            values = stored * file.scales[0] + file.offsets[0]
     except rasterio.errors.RasterioError as error:
         raise UnreadableRasterError(f"cannot be read as a raster: {error}") from error
-    return Raster(grid, _without_sentinels(values))
+    return Raster(grid, np.where(np.isnan(_without_sentinels(stored)), np.nan, values))
 
 
 def _grid_of(file: Any) -> MapGrid:
@@ -247,6 +259,8 @@ def _grid_of(file: Any) -> MapGrid:
             f"has coordinates in {crs.linear_units}; project it to a system in meters, and convert "
             "its levels if they are in feet too"
         )
+    if crs is not None and (fault := fault_of_heights(crs.to_wkt())):
+        raise UnreadableRasterError(fault)
     unit = (file.units or (None,))[0]
     if unit and not METRE.fullmatch(unit):
         raise UnreadableRasterError(f"has levels in {unit}; convert them to meters")
@@ -351,6 +365,8 @@ def _prj_of(path: Path) -> str:
         raise UnreadableRasterError(
             f"has coordinates in {units[-1]}, says {beside.name}; project it to a system in meters"
         )
+    if fault := fault_of_heights(wkt):
+        raise UnreadableRasterError(fault)
     return wkt
 
 

@@ -14,6 +14,7 @@ GEOGRAPHIC = re.compile(
     re.IGNORECASE,
 )
 METRE = re.compile(r"met(er|re)s?|m", re.IGNORECASE)
+VERTICAL_UNIT = re.compile(r'\bVERT_?(?:CS|CRS)\[.*?UNIT\[\s*"([^"]*)"', re.IGNORECASE | re.DOTALL)
 INSTEAD = "project it to that of the DEM, a system in meters"
 
 
@@ -47,6 +48,8 @@ def fault_of_system(name: str) -> str:
 def differ(one: str, other: str) -> bool:
     """Return whether two systems are known to differ; one that is not told is taken as the same.
 
+    Of a system with a vertical part, a horizontal one with heights, the horizontal part counts.
+
     Examples
     --------
     >>> differ("", "EPSG:32610"), differ("EPSG:32610", "EPSG:32610")
@@ -55,7 +58,30 @@ def differ(one: str, other: str) -> bool:
     if not one or not other or one == other:
         return False
     systems = _known(one), _known(other)
-    return None not in systems and systems[0] != systems[1]
+    if None in systems:
+        return False
+    first, second = map(_horizontal, systems)
+    return bool(first != second)
+
+
+def fault_of_heights(wkt: str) -> str:
+    """Return why the heights of a system cannot be levels; empty if nothing is said against it.
+
+    Examples
+    --------
+    >>> fault_of_heights('COMPD_CS["a",PROJCS["b"],VERT_CS["c",UNIT["US survey foot",0.3048]]]')
+    'has heights in US survey foot, says its reference system; convert them to meters'
+    """
+    found = VERTICAL_UNIT.search(wkt)
+    if found is None or METRE.fullmatch(found[1]):
+        return ""
+    return f"has heights in {found[1]}, says its reference system; convert them to meters"
+
+
+def _horizontal(crs: Any) -> Any:
+    """Return the horizontal part of a system of rasterio; itself if it has no other part."""
+    parts = crs.to_dict(projjson=True).get("components")
+    return type(crs).from_user_input(parts[0]) if parts else crs
 
 
 def _known(name: str) -> Any:

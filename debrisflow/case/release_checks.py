@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from debrisflow.case.friction import CoulombFriction, VoellmyFriction
 from debrisflow.case.hydrograph import faults_of
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.rasters import Raster, read_raster
@@ -31,17 +30,14 @@ from debrisflow.case.releases import (
     PolygonRelease,
     RasterRelease,
     Segment,
-    Zone,
 )
 from debrisflow.case.resolved import ResolvedTerrain
-from debrisflow.case.rheology import FrictionalStrength, Rheology
 from debrisflow.case.shapes import Geometry
-from debrisflow.case.tables import Particles, Walls
+from debrisflow.case.tables import Particles
 from debrisflow.case.terrain_checks import file_name
 from debrisflow.case.words import borders_told
 
 Releases = tuple[AnyRelease, ...]
-Zones = tuple[Zone, ...]
 
 DEEPEST = 100.0  # m, of a release
 CELLS_TO_NODATA = 10  # of the DEM, from a release
@@ -244,31 +240,6 @@ def water_without_grains(release: Releases) -> Problems:
             yield Problem(f"release.{k}.concentration", message, part.concentration)
 
 
-def pore_pressure_felt(
-    release: Releases, zone: Zones, walls: Walls, rheology: Rheology
-) -> Problems:
-    """Check that a release with a pore pressure has grains, and that something rubs on them."""
-    laws = [walls.floor.friction, *(part.friction for part in zone)]
-    rubs = isinstance(rheology, FrictionalStrength) or any(
-        isinstance(law, CoulombFriction | VoellmyFriction) for law in laws
-    )
-    for k, part in enumerate(release):
-        key = f"release.{k}.pore_pressure"
-        if part.pore_pressure == 0.0:
-            if part.pore_pressure_time is not None:
-                message = f"has no effect without a share to begin with; give {key} as well"
-                yield Problem(f"{key}_time", message, part.pore_pressure_time)
-        elif not isinstance(part, HydrographRelease) and part.material == "water":
-            message = "water has no grains that it could relieve; give material = 'mixture'"
-            yield Problem(key, message, part.pore_pressure)
-        elif not rubs:
-            message = (
-                "has no effect: nothing rubs; give walls.floor the friction 'coulomb' or "
-                "'voellmy', or rheology.type = 'coulomb' or 'mu-i'"
-            )
-            yield Problem(key, message, part.pore_pressure)
-
-
 def flows_across_line(geometry: Geometry, release: Releases) -> Problems:
     """Check that a flow that enters over a line has a direction, which crosses it."""
     if not isinstance(geometry, ResolvedTerrain):
@@ -305,6 +276,5 @@ CHECKS: tuple[Callable[..., Problems], ...] = (
     releases_sized,
     releases_apart,
     water_without_grains,
-    pore_pressure_felt,
     flows_across_line,
 )

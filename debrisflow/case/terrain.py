@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from math import ceil, floor
 from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Strict
 
 from debrisflow.case.fields import NONE, Point, Table, quantity
-from debrisflow.case.rasters import Raster, read_raster
+from debrisflow.case.rasters import MapGrid, Raster, read_raster
 from debrisflow.case.vectors import Polygons, read_polygons
 
+ON_BORDER = 1e-6  # of a cell, within which a place is on its border
 Box = Annotated[tuple[float, float, float, float], Strict(False)]
 
 
@@ -65,7 +67,7 @@ class Terrain(Table):
         raster = read_raster(Path(self.dem))
         box = self.crop
         if isinstance(box, str):
-            box = bounds(read_polygons(Path(box)))
+            box = cells_around(bounds(read_polygons(Path(box))), raster.grid)
         return raster if box is None else raster.cropped(*box)
 
     @property
@@ -89,3 +91,27 @@ def bounds(polygons: Polygons) -> Box:
     """Return the box around polygons: west, south, east and north border, m."""
     west, south, east, north = zip(*(shape.bounds for shape in polygons.shapes), strict=True)
     return min(west), min(south), max(east), max(north)
+
+
+def cells_around(box: Box, grid: MapGrid) -> Box:
+    """Return the borders of the cells of a grid that hold a box, m.
+
+    A box that reaches over the edge of the grid by less than half a cell is cut there.
+
+    Examples
+    --------
+    >>> grid = MapGrid(100.0, 0.0, 10.0, columns=5, rows=4)
+    >>> cells_around((114.0, 20.0, 121.0, 43.0), grid)
+    (110.0, 20.0, 130.0, 40.0)
+    """
+    found = []
+    for start, count, low, high in (
+        (grid.west, grid.columns, box[0], box[2]),
+        (grid.south, grid.rows, box[1], box[3]),
+    ):
+        first, last = (low - start) / grid.cell, (high - start) / grid.cell
+        first = floor(first + ON_BORDER) if first >= 0.0 else round(first)
+        last = ceil(last - ON_BORDER) if last <= count else round(last)
+        found.append((start + first * grid.cell, start + last * grid.cell))
+    (west, east), (south, north) = found
+    return west, south, east, north

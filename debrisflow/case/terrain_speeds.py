@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import cos, inf, log, radians, sin, sqrt, tan
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from debrisflow.case.friction import (
     ManningFriction,
     VoellmyFriction,
 )
-from debrisflow.case.rasters import Raster
+from debrisflow.case.rasters import Raster, Stamp, stamp_of
 from debrisflow.case.released import (
     area,
     borders,
@@ -61,7 +62,7 @@ def expected_speed(
         fastest = max(fastest, sqrt(2.0 * g * deepest))
         share = 1.0 - part.pore_pressure
         lines = [share * _sliding(law) for law in laws]
-        drop, slope = _reach(terrain, part, _flattest(part, floor, zone))
+        drop, slope = _reach(terrain, part, _flattest(part, floor, zone), _stamps(terrain, part))
         held = max(
             _held_speed(law, line, depth, slope, g) for law, line in zip(laws, lines, strict=True)
         )
@@ -131,8 +132,16 @@ def _flattest(part: AnyRelease, floor: Wall, zone: tuple[Zone, ...]) -> float:
     return max(min(share * _sliding(law) for law in laws), LEAST_FRICTION)
 
 
+def _stamps(terrain: Terrain, part: AnyRelease) -> tuple[Stamp, ...]:
+    """Return what tells that the files of a terrain and a release have not changed."""
+    names = (terrain.dem, terrain.crop, getattr(part, "file", None))
+    return tuple(stamp_of(Path(name)) for name in names if isinstance(name, str))
+
+
 @lru_cache(maxsize=32)
-def _reach(terrain: Terrain, part: AnyRelease, line: float) -> tuple[float, float]:
+def _reach(
+    terrain: Terrain, part: AnyRelease, line: float, stamps: tuple[Stamp, ...]
+) -> tuple[float, float]:
     """Return the greatest drop of the energy line over ground, m, and the steep slope, rad.
 
     Parameters
@@ -141,6 +150,8 @@ def _reach(terrain: Terrain, part: AnyRelease, line: float) -> tuple[float, floa
     part : release
     line : float
         Fall of the energy line.
+    stamps : tuple
+        Of their files.
     """
     levels = terrain.levels
     left = _energy_left(levels, part, line)

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from debrisflow.case import ResolvedCase
 from debrisflow.case.rasters import MapGrid, Raster
-from debrisflow.errors import OutputError
-from debrisflow.results.layers import layer_names, read_layer
+from debrisflow.space.released import source_of
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -32,26 +31,13 @@ def centers(grid: MapGrid) -> tuple[Floats, Floats]:
     return np.asarray(east, dtype=float), np.asarray(north, dtype=float)
 
 
-def start_of_path(run: Path, grid: MapGrid) -> tuple[float, float]:
-    """Return the middle of what was released, or of the cells that the flow reached first.
+def path_of(case: ResolvedCase, terrain: Raster) -> shapely.LineString:
+    """Return the path down a terrain from the first release of a case, see :func:`flow_path`.
 
-    Raises
-    ------
-    OutputError
-        If nothing was released at the start and the flow reaches no cell.
+    It starts in the middle of a mass, or of the line over which a flow enters.
     """
-    weight = np.zeros(grid.shape)
-    if "release" in layer_names(run):
-        weight = np.maximum(np.nan_to_num(read_layer(run, "release").values), 0.0)
-    if not weight.any():
-        arrival = read_layer(run, "arrival").values
-        if not np.isfinite(arrival).any():
-            raise OutputError(f"{run}: the flow reaches no cell of the map")
-        weight = (arrival == np.nanmin(arrival)).astype(float)
-    east, north = centers(grid)
-    x = float((weight.sum(axis=0) * east).sum() / weight.sum())
-    y = float((weight.sum(axis=1) * north).sum() / weight.sum())
-    return x, y
+    x, y = source_of(case) + case.terrain.origin[:2]
+    return flow_path(terrain, float(x), float(y))
 
 
 def flow_path(terrain: Raster, x: float, y: float) -> shapely.LineString:

@@ -13,8 +13,9 @@ from debrisflow.case.rasters import MapGrid, Raster, UnreadableRasterError, read
 from debrisflow.case.reference_systems import differ
 from debrisflow.case.vectors import UnreadableVectorsError, read_polygons
 from debrisflow.errors import CaseError
-from debrisflow.results.flow_path import along, centers, flow_path, start_of_path
+from debrisflow.results.flow_path import along, centers, path_of
 from debrisflow.results.layers import read_layer
+from debrisflow.results.reader import open_run
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -125,7 +126,7 @@ class Comparison(NamedTuple):
     observed, simulated, compared : (rows, columns) bool array
         Reached cells, and those that are compared.
     path : shapely.LineString
-        Along which run-out distances are measured, from the middle of the release.
+        Along which run-out distances are measured, from the middle of the first release.
     contingency : Contingency
     rows : list of Row
     """
@@ -158,7 +159,8 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
         Polygons of the reached area, or a raster of the change of elevation, m.
     threshold : float, m, optional
         Depth, and change of elevation, from which a cell counts; if left out 0.3 m of a raster,
-        and with polygons wherever the layers of the run have data.
+        and with polygons ``output.layer_depth``.  Less than that no depth can be told, since
+        ``peak_depth`` has no data there.
 
     Raises
     ------
@@ -178,13 +180,17 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
         raise CaseError(f"{file}: nothing of what was observed lies on the map of {run}")
     simulated = np.nan_to_num(depth.values) > threshold
     agreement = contingency(seen.reached, simulated, compared)
-    path = flow_path(terrain, *start_of_path(run, grid))
+    case = open_run(run).case
+    path = path_of(case, terrain)
+    least = max(threshold, case.output.layer_depth)
     rows = [
-        Row("threshold", threshold, "m", "depth and change of elevation from which a cell counts"),
+        Row("threshold", least, "m", "depth from which a cell is simulated"),
         *_extent_rows(agreement, _unknown(seen.change) & simulated & compared, grid),
         *_distance_rows(seen.reached, simulated, path, grid),
     ]
     if seen.change is not None:
+        change = "change of elevation from which a cell is observed, and deposit counts"
+        rows.insert(1, Row("threshold_change", threshold, "m", change))
         deposit = np.nan_to_num(read_layer(run, "deposit").values)
         rows += _deposit_rows(np.nan_to_num(seen.change), deposit, compared, threshold, grid)
     return Comparison(terrain, seen.reached, simulated, compared, path, agreement, rows)
@@ -312,7 +318,7 @@ def _distance_rows(
             )
             found.append(float(to_all.max(initial=0.0)))
         seen, made = found
-        from_start = f"from the middle of the release, {how}, to the farthest cell"
+        from_start = f"from the middle of the first release, {how}, to the farthest cell"
         rows += [
             Row(f"{word}_observed", seen, "m", from_start),
             Row(f"{word}_simulated", made, "m", from_start),

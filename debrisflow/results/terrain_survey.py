@@ -12,13 +12,12 @@ from scipy.ndimage import map_coordinates
 
 from debrisflow.case.rasters import MapGrid, Raster
 from debrisflow.errors import OutputError
-from debrisflow.results.flow_path import along, centers, flow_path
+from debrisflow.results.flow_path import along, centers, path_of
 from debrisflow.results.layers import layer_file, read_layer
 from debrisflow.results.measured import REST_SHARE, Measured, last_part
 from debrisflow.results.reader import Run
 from debrisflow.run.ledger import PLACES
 from debrisflow.run.tables import Table
-from debrisflow.space.released import source_of
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -187,8 +186,7 @@ def _path(run: Run, terrain: Raster) -> shapely.LineString:
         middle = centers(terrain.grid)
         place = float(middle[0].mean()), float(middle[1].mean())
         return shapely.LineString([place, place])
-    x, y = source_of(run.case) + run.case.terrain.origin[:2]
-    return flow_path(terrain, float(x), float(y))
+    return path_of(run.case, terrain)
 
 
 def _place(grid: MapGrid, row: int, column: int) -> tuple[float, float]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, dump_case
+from debrisflow.case.content import digest_of_content
 from debrisflow.errors import OutputError
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
@@ -116,6 +117,8 @@ class RunFolder:
     def __init__(self, path: Path, case: ResolvedCase) -> None:
         self.path, self.case = path, case
         self.checkpoint_path = path / CHECKPOINT
+        # of the files as they are when the run begins
+        self._digest = digest_of_content(case) if case.is_terrain else ""
         self._frames = Collection(path / FRAMES)
         self._obstacles: Collection | None = None
         if trajectories(case):
@@ -232,7 +235,7 @@ class RunFolder:
 
     def _origin(self, time: float) -> Origin:
         case = self.case
-        return Origin(dump_case(case), case.particles.spacing, case.output.layer_depth, time)
+        return Origin(self._digest, case.particles.spacing, case.output.layer_depth, time)
 
     def write_deposit(self, time: float, profile: DepositProfile) -> None:
         """Append a deposit profile at a time, s."""

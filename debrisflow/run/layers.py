@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -52,7 +51,7 @@ LAYERS = {
     "duration": Layer("s", "time during which the depth exceeds the threshold"),
     "deposit": Layer("m", "depth at the end of what is slower than output.rest_speed"),
     "final_depth": Layer("m", "depth at the end"),
-    "release": Layer("m", "depth at the start"),
+    "release": Layer("m", "depth of all masses that are released, also later than at the start"),
     "terrain": Layer("m", "elevation of the terrain as given"),
 }
 WHILE_DEEP = ("peak_speed", "peak_momentum_flux", "peak_pressure", "arrival", "duration")
@@ -65,7 +64,7 @@ class Origin(NamedTuple):
     Attributes
     ----------
     case : str
-        Text of the resolved case.
+        SHA-256 of the case and its files, see :func:`debrisflow.case.content.digest_of_content`.
     spacing : float
         d0, m.
     threshold : float, m
@@ -89,7 +88,7 @@ class Origin(NamedTuple):
             "threshold": f"{self.threshold:g} m",
             "particle_spacing": f"{self.spacing:g} m",
             "time": f"{self.time:.9g} s",
-            "case_sha256": hashlib.sha256(self.case.encode()).hexdigest(),
+            "case_sha256": self.case,
             "software": f"debrisflow {__version__}",
         }
 

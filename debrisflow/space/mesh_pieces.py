@@ -81,18 +81,16 @@ def faces_in_open(case: ResolvedCase, name: str) -> Floats:
 
 def top_of_structures(case: ResolvedCase, x: float, y: float) -> float:
     """Return the highest level of the obstacles on a terrain at a place, m; -inf where none is."""
-    top, place = -np.inf, np.array([x, y])
-    for body in case.obstacle:
-        corners = faces_in_open(case, body.name)
-        area = area_vectors(corners)
-        looks_up = area[:, 2] > 1e-6 * np.linalg.norm(area, axis=1)
-        a, b, c = np.moveaxis(corners[looks_up], 1, 0)
-        plan = np.stack([b - a, c - a], axis=2)[:, :2]
-        share = np.linalg.solve(plan, (place - a[:, :2])[:, :, None])[:, :, 0]
-        over = np.all(share >= -1e-9, axis=1) & (share.sum(axis=1) <= 1.0 + 1e-9)
-        level = a[:, 2] + share[:, 0] * (b - a)[:, 2] + share[:, 1] * (c - a)[:, 2]
-        top = max(top, float(level[over].max(initial=-np.inf)))
-    return top
+    pieces, _, is_face = pieces_of(case, 0.0)
+    corners = pieces[is_face][:, :, :3]
+    area = area_vectors(corners)
+    looks_up = area[:, 2] > 1e-6 * np.linalg.norm(area, axis=1)
+    a, b, c = np.moveaxis(corners[looks_up], 1, 0)
+    plan = np.stack([b - a, c - a], axis=2)[:, :2]
+    share = np.linalg.solve(plan, (np.array([x, y]) - a[:, :2])[:, :, None])[:, :, 0]
+    over = np.all(share >= -1e-9, axis=1) & (share.sum(axis=1) <= 1.0 + 1e-9)
+    level = a[:, 2] + share[:, 0] * (b - a)[:, 2] + share[:, 1] * (c - a)[:, 2]
+    return float(level[over].max(initial=-np.inf))
 
 
 def surface_of_box(box: BoxObstacle) -> Surface:

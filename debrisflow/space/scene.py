@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from itertools import pairwise, product
-from math import ceil, cos, radians, sin
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.case.bodies import BoxObstacle, MeshObstacle, PolygonObstacle
+from debrisflow.case.bodies import MeshObstacle, PolygonObstacle
 from debrisflow.case.motion import Motion
 from debrisflow.case.regions import runout_rise, surface_of
 from debrisflow.case.shapes import ChannelShape, Tank, Tank3D, is_three_dimensional, plain_of
@@ -209,19 +209,9 @@ def faces_of(part: AnyObstacle) -> Floats:
         return surface_of(part).corners
     if isinstance(part, PolygonObstacle):
         return np.pad(np.array([part.corners]), ((0, 0), (0, 0), (0, 1)))
-    corner = turned(part, np.array(list(product(*part.extents))))
+    corner = np.array(list(product(*part.extents)))
+    corner[:, 0], corner[:, 1] = part.turned(corner[:, 0], corner[:, 1], part.turn)
     return corner[BOX_FACES] if part.z else np.pad(corner[[[0, 1, 3, 2]]], ((0, 0), (0, 0), (0, 1)))
-
-
-def turned(box: BoxObstacle, corner: Floats) -> Floats:
-    """Return the corners of a box, turned as it is about the vertical through its middle, m."""
-    if box.turn == 0.0:
-        return corner
-    along, aside = cos(radians(box.turn)), sin(radians(box.turn))
-    middle = corner[:, :2].mean(axis=0)
-    found = corner.copy()
-    found[:, :2] = middle + (corner[:, :2] - middle) @ np.array([[along, aside], [-aside, along]])
-    return found
 
 
 def trajectories(case: ResolvedCase) -> dict[int, Trajectory]:

@@ -28,7 +28,7 @@ from debrisflow.run.layers import (
 
 UTM = rasterio.crs.CRS.from_epsg(32610).to_wkt()
 GRID = MapGrid(500_000.0, 5_100_000.0, 2.0, 30, 20, UTM)
-ORIGIN = Origin("[case]", 1.0, 0.05, 12.5)
+ORIGIN = Origin(64 * "0", 1.0, 0.05, 12.5)
 
 
 def particles(
@@ -162,7 +162,7 @@ def test_a_release_on_a_known_cell_appears_on_that_cell(tmp_path: Path) -> None:
     assert tags["unit"] == "m"
     assert tags["threshold"] == "0.05 m"
     assert tags["particle_spacing"] == "1 m"
-    assert len(tags["case_sha256"]) == 64
+    assert tags["case_sha256"] == ORIGIN.case
     speed = read_raster(tmp_path / "layers" / "peak_speed.tif").plan
     assert speed[2, 1] == 5.0
     assert np.isnan(np.delete(speed, 2, axis=0)).all()
@@ -175,6 +175,12 @@ def test_a_release_on_a_known_cell_appears_on_that_cell(tmp_path: Path) -> None:
         ["area_m2", "deeper_than_m"],
     )
     assert deposit.sum() == 0.0
+
+
+def test_the_page_of_the_layers_says_what_they_hold() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "terrain_outputs.md").read_text(encoding="utf-8")
+    for name, layer in LAYERS.items():
+        assert f"| `{name}` | {layer.unit} | {layer.meaning} |" in page
 
 
 def test_styles_are_xml_with_a_class_for_all_values(tmp_path: Path) -> None:

@@ -96,6 +96,7 @@ def test_wrong_ascii_grids_are_refused(tmp_path: Path, text: str, words: str) ->
 @pytest.mark.parametrize(
     ("crs", "transform", "words"),
     [
+        ("26910+6360", Affine(1.0, 0.0, 5.0, 0.0, -1.0, 0.0), "heights in US survey foot"),
         (4326, Affine(0.001, 0.0, 138.0, 0.0, -0.001, 36.0), "geographic coordinates"),
         (2225, Affine(1.0, 0.0, 6e6, 0.0, -1.0, 2e6), "coordinates in US survey foot"),
         (32610, Affine(1.0, 0.0, 5.0, 0.0, 1.0, 0.0), "south up"),
@@ -104,7 +105,7 @@ def test_wrong_ascii_grids_are_refused(tmp_path: Path, text: str, words: str) ->
     ],
 )
 def test_wrong_geotiffs_are_refused(
-    tmp_path: Path, crs: int, transform: Affine, words: str
+    tmp_path: Path, crs: int | str, transform: Affine, words: str
 ) -> None:
     path = tmp_path / "dem.tif"
     form = {"driver": "GTiff", "width": 2, "height": 2, "count": 1, "dtype": "float32"}
@@ -112,6 +113,18 @@ def test_wrong_geotiffs_are_refused(
         file.write(np.ones((2, 2), dtype=np.float32), 1)
     with pytest.raises(UnreadableRasterError, match=words):
         read_raster(path)
+
+
+def test_stored_numbers_are_scaled_as_the_band_says(tmp_path: Path) -> None:
+    path = tmp_path / "decimeters.tif"
+    stored = np.array([[12345, -9999], [10, -20]], dtype=np.int16)
+    place = {"crs": UTM, "transform": Affine(2.5, 0.0, 0.0, 0.0, -2.5, 5.0)}
+    form = {"width": 2, "height": 2, "count": 1, "dtype": "int16", "nodata": -9999}
+    with rasterio.open(path, "w", driver="GTiff", **form, **place) as file:
+        file.write(stored, 1)
+        file.scales, file.offsets = (0.1,), (100.0,)
+    found = read_raster(path).values
+    np.testing.assert_allclose(found, [[1334.5, np.nan], [101.0, 98.0]])
 
 
 def test_a_file_that_is_no_raster_is_refused(tmp_path: Path) -> None:

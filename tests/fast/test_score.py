@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,10 +13,12 @@ import shapely
 from click.testing import CliRunner
 from PIL import Image
 
+from debrisflow.case import ResolvedCase, build_case, dump_case
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.case.vectors import write_polygons
 from debrisflow.cli import main
 from debrisflow.errors import CaseError
+from debrisflow.results import open_run
 from debrisflow.results.flow_path import flow_path
 from debrisflow.results.score import (
     Contingency,
@@ -26,18 +29,37 @@ from debrisflow.results.score import (
 
 UTM = rasterio.crs.CRS.from_epsg(32610).to_wkt()
 GRID = MapGrid(1000.0, 2000.0, 10.0, 3, 3, UTM)
+AROUND = MapGrid(960.0, 1960.0, 10.0, 11, 11, UTM)
 NAN = np.nan
 TERRAIN = [[30.0, 29.0, 30.0], [20.0, 19.0, 20.0], [10.0, 9.0, 10.0]]
 DEPTH = [[NAN, 2.0, NAN], [NAN, 1.0, 0.5], [NAN, NAN, 0.2]]
 DEPOSIT = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.5], [0.0, 0.0, 0.2]]
-RELEASE = [[0.0, 2.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
 CHANGE = [[0.0, -2.0, 0.0], [0.2, 1.5, 0.0], [0.0, 0.5, NAN]]
+
+
+def case_of(folder: Path, around: MapGrid = AROUND, **tables: Any) -> ResolvedCase:
+    """Return a case with a release on the middle cell of the northernmost row."""
+    write_raster(folder / "dem.tif", Raster(around, np.zeros(around.shape) + 30.0))
+    corners = [(1010.0, 2020.0), (1020.0, 2020.0), (1020.0, 2030.0), (1010.0, 2030.0)]
+    return build_case(
+        {
+            "title": "an event",
+            "particles": {"spacing": 1.0},
+            "geometry": {"type": "terrain", "dem": "dem.tif"},
+            "release": [{"type": "polygon", "corners": corners, "depth": 2.0}],
+            "time": {"end": 10.0},
+            "output": {"interval": 1.0},
+        }
+        | tables,
+        folder=folder,
+    )
 
 
 @pytest.fixture
 def run(tmp_path: Path) -> Path:
-    layers = {"terrain": TERRAIN, "peak_depth": DEPTH, "deposit": DEPOSIT, "release": RELEASE}
+    layers = {"terrain": TERRAIN, "peak_depth": DEPTH, "deposit": DEPOSIT}
     (tmp_path / "run" / "layers").mkdir(parents=True)
+    (tmp_path / "run" / "case.toml").write_text(dump_case(case_of(tmp_path)))
     for name, values in layers.items():
         raster = Raster(GRID, np.array(values))
         write_raster(tmp_path / "run" / "layers" / f"{name}.tif", raster)
@@ -99,6 +121,7 @@ def test_a_change_of_elevation_is_compared_with_the_deposit(run: Path, tmp_path:
     found = figures(run, file)
     expected = {
         "threshold": 0.3,
+        "threshold_change": 0.3,
         "hits": 2,
         "misses": 1,
         "false_alarms": 1,
@@ -136,6 +159,18 @@ def test_a_finer_survey_is_averaged_and_a_coarser_one_sampled() -> None:
     np.testing.assert_array_equal(on_grid(coarse, GRID), np.full((3, 3), 4.0))
 
 
+def test_the_depth_that_decides_is_told(run: Path, tmp_path: Path) -> None:
+    file, dod = tmp_path / "extent.geojson", tmp_path / "dod.asc"
+    write_polygons(file, [shapely.box(1011.0, 2004.0, 1019.0, 2030.0)], crs=UTM)
+    write_raster(dod, Raster(GRID, np.array(CHANGE)))
+    least = open_run(run).case.output.layer_depth
+    assert figures(run, file)["threshold"] == least > 0.0
+    assert figures(run, file, 0.7)["threshold"] == 0.7
+    assert "threshold_change" not in figures(run, file)
+    told = figures(run, dod, 0.5 * least)
+    assert (told["threshold"], told["threshold_change"]) == (least, 0.5 * least)
+
+
 def test_the_path_leaves_a_hollow_by_its_outlet() -> None:
     level = np.full((5, 7), 9.0)
     level[2, 1:] = [5.0, 2.0, 4.0, 3.0, 2.5, 1.0]
@@ -145,18 +180,35 @@ def test_the_path_leaves_a_hollow_by_its_outlet() -> None:
     assert path.length == 5.0
 
 
+def test_the_run_out_starts_in_the_middle_of_the_first_release(run: Path, tmp_path: Path) -> None:
+    line = [(1010.0, 2005.0), (1020.0, 2005.0)]
+    graph = {"time": [0.0, 5.0], "discharge": [20.0, 20.0], "concentration": [0.0, 0.0]}
+    flood = {"type": "hydrograph", "line": line, "hydrograph": graph, "velocity": 1.0}
+    flood |= {"direction": 180.0, "start": 0.0}
+    mass = {"type": "polygon", "corners": [(990.0, 2000.0), (1000.0, 2000.0), (1000.0, 2010.0)]}
+    case = case_of(tmp_path, release=[mass | {"depth": 2.0, "start": 1.0}, flood])
+    (run / "case.toml").write_text(dump_case(case))
+    file = tmp_path / "extent.geojson"
+    write_polygons(file, [shapely.box(1011.0, 2001.0, 1019.0, 2009.0)], crs=UTM)
+    assert compare_with_observed(run, file).path.coords[0] == (1015.0, 2005.0)
+
+
 def test_run_out_follows_a_bend(tmp_path: Path) -> None:
     # a channel of one cell down to the south and then to the east, 100 m each
     grid = MapGrid(0.0, 0.0, 10.0, 13, 13)
     level = np.full((13, 13), 99.0)
     level[1:12, 1] = np.arange(40.0, 29.0, -1.0)
     level[11, 1:] = np.arange(30.0, 18.0, -1.0)
-    release, depth = np.zeros((2, 13, 13))
-    release[1, 1] = depth[1, 1] = depth[11, 6] = 1.0
+    depth = np.zeros((13, 13))
+    depth[1, 1] = depth[11, 6] = 1.0
     folder = tmp_path / "run" / "layers"
     folder.mkdir(parents=True)
-    for name, values in {"terrain": level, "release": release, "peak_depth": depth}.items():
+    for name, values in {"terrain": level, "peak_depth": depth}.items():
         write_raster(folder / f"{name}.asc", Raster(grid, values))
+    corners = [(10.0, 110.0), (20.0, 110.0), (20.0, 120.0), (10.0, 120.0)]
+    scar = [{"type": "polygon", "corners": corners, "depth": 1.0}]
+    case = case_of(tmp_path, MapGrid(-20.0, 0.0, 10.0, 15, 15), release=scar)
+    (tmp_path / "run" / "case.toml").write_text(dump_case(case))
     file = tmp_path / "extent.geojson"
     write_polygons(file, [shapely.box(110.0, 10.0, 120.0, 20.0)])
     found = figures(tmp_path / "run", file)

@@ -5,12 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from debrisflow.case import dump_case, load_case
 from debrisflow.neighbors.half_space import PULLED_BACK
 from debrisflow.results.reader import Run
 from debrisflow.run.loop import simulate
 from debrisflow.schemes.surfaces import elements_from
+from debrisflow.space import mesh_pieces
 from debrisflow.space.ground import ground_of
-from debrisflow.space.mesh_pieces import area_vectors, faces_in_open, pieces_of
+from debrisflow.space.mesh_pieces import (
+    area_vectors,
+    faces_in_open,
+    pieces_of,
+    top_of_structures,
+)
+from debrisflow.space.scene import faces_of
 from tests.validation.backwater import (
     CREST,
     DAM,
@@ -62,6 +70,47 @@ def run(tmp_path_factory):
 def last(run, name):
     table = run.probe(name)
     return {column: table[column][-1] for column in table}
+
+
+def test_the_top_of_structures_is_found_with_one_cut(tmp_path, monkeypatch):
+    case = case_of(tmp_path, probes=[])
+    (dam,) = case.obstacle
+    higher = {"name": "tower", "z": (dam.z[0], dam.z[1] + 3.0), "turn": 0.0}
+    higher |= {"x": (10.0, 14.0), "y": (10.0, 14.0)}
+    case = case.model_copy(update={"obstacle": (dam, dam.model_copy(update=higher))})
+    cuts = []
+    monkeypatch.setattr(
+        mesh_pieces, "pieces_of", lambda *given: cuts.append(1) or pieces_of(*given)
+    )
+    middle = [0.5 * sum(ends) for ends in (dam.x, dam.y)]
+    assert top_of_structures(case, *middle) == pytest.approx(dam.z[1])
+    assert top_of_structures(case, 12.0, 12.0) == pytest.approx(dam.z[1] + 3.0)
+    assert top_of_structures(case, 1.0, 1.0) == -np.inf
+    assert len(cuts) == 3
+
+
+def test_a_base_below_the_origin_counts_as_one_in_the_ground(tmp_path):
+    case = case_of(tmp_path, probes=[])
+    (dam,) = case.obstacle
+    deep = dam.model_copy(update={"z": (-500.0, dam.z[1])})
+    text = dump_case(case.model_copy(update={"obstacle": (deep,)}))
+    (tmp_path / "deep.toml").write_text(text)
+    found = load_case(tmp_path / "deep.toml")
+    assert found.obstacle == (deep,)
+    faces, built = faces_in_open(found, "dam"), faces_in_open(case, "dam")
+    high, low = (level[:, :, 2].max() for level in (faces, built))
+    assert high == low
+    assert faces[:, :, 2].min() == pytest.approx(built[:, :, 2].min(), abs=0.1)
+    areas = [np.abs(area_vectors(each)).sum(axis=0) for each in (faces, built)]
+    np.testing.assert_allclose(*areas, rtol=0.02)
+
+
+def test_a_turned_box_has_one_outline(tmp_path):
+    (dam,) = case_of(tmp_path, probes=[]).obstacle
+    corners = np.unique(faces_of(dam)[:, :, :2].reshape(-1, 2).round(9), axis=0)
+    np.testing.assert_allclose(corners, sorted(dam.corners_in_plan))
+    back = np.array([dam.unturned((*corner, 1.0)) for corner in dam.corners_in_plan]).round(9)
+    assert sorted(back.tolist()) == [[x, y, 1.0] for x in dam.x for y in dam.y]
 
 
 def test_a_dam_is_closed_above_the_ground_and_has_nothing_below(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import sys
 from collections.abc import Callable
 from math import radians, sin, sqrt, tan
@@ -16,6 +17,7 @@ import shapely
 from rasterio.transform import Affine
 
 from debrisflow.case import ResolvedCase, build_case, dump_case, load_case
+from debrisflow.case.content import digest_of_content
 from debrisflow.case.doubts import doubts, rows_over_depths
 from debrisflow.case.estimate import particle_estimate
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
@@ -77,6 +79,26 @@ def terrain(case: ResolvedCase) -> ResolvedTerrain:
     return case.geometry
 
 
+def test_the_digest_of_a_case_is_that_of_its_content(build: Build, tmp_path: Path) -> None:
+    write_polygons(tmp_path / "scar.geojson", [shapely.Polygon(SQUARE)])
+    scar = {"type": "polygon", "file": "scar.geojson", "depth": 2.0}
+    first = digest_of_content(build(scar))
+    assert len(first) == 64
+    assert digest_of_content(build(scar | {"depth": 2.1})) != first
+    (tmp_path / "elsewhere").mkdir()
+    for name in ("dem.asc", "scar.geojson"):
+        shutil.copy(tmp_path / name, tmp_path / "elsewhere" / name)
+    away = {"dem": str(tmp_path / "elsewhere" / "dem.asc")}
+    there = scar | {"file": str(tmp_path / "elsewhere" / "scar.geojson")}
+    assert digest_of_content(build(there, geometry=away)) == first
+    write_polygons(tmp_path / "elsewhere" / "scar.geojson", [shapely.Polygon(SQUARE[:3])])
+    assert digest_of_content(build(there, geometry=away)) != first
+    changed = levels()
+    changed[0, -1] += 0.01
+    write_raster(tmp_path / "dem.asc", Raster(GRID, changed))
+    assert digest_of_content(build(scar)) != first
+
+
 class TestResolved:
     def test_the_whole_dem(self, build: Build, tmp_path: Path) -> None:
         ground = terrain(build())
@@ -105,6 +127,13 @@ class TestResolved:
         write_polygons(tmp_path / "part.geojson", [part])
         ground = terrain(build(geometry={"crop": "part.geojson"}))
         assert ground.crop == (WEST + 10.0, SOUTH + 20.0, WEST + 150.0, SOUTH + 110.0)
+
+    def test_a_crop_holds_its_polygons(self, build: Build, tmp_path: Path) -> None:
+        part = shapely.box(WEST + 12.4, SOUTH + 22.6, WEST + 147.4, SOUTH + 107.6)
+        write_polygons(tmp_path / "part.geojson", [part])
+        ground = terrain(build(geometry={"crop": "part.geojson"}))
+        assert ground.crop == (WEST + 10.0, SOUTH + 20.0, WEST + 150.0, SOUTH + 110.0)
+        assert ground.levels.grid.west == WEST + 10.0
 
     def test_the_surface_is_three_spacings_wide(self, build: Build) -> None:
         assert terrain(build(particles={"spacing": 2.0})).cell == 10.0
@@ -265,6 +294,17 @@ class TestSpeeds:
         assert self.expected(case) == pytest.approx(held, rel=1e-4)
         assert case.explicit_scheme.sound_speed == pytest.approx(6.0 * held, rel=1e-4)
         assert speeds(case) == pytest.approx((0.0, held), rel=1e-4)
+
+    def test_a_dem_that_is_written_anew_is_read_anew(self, build: Build, tmp_path: Path) -> None:
+        steep = self.expected(build())
+        flat = 300.0 + 0.5 * (levels() - 300.0)
+
+        def found(level: np.ndarray) -> float:
+            write_raster(tmp_path / "dem.asc", Raster(GRID, level))
+            place = {"origin": [WEST, SOUTH, 100.0], "upper_level": 400.0}
+            return self.expected(build(geometry=place))
+
+        assert found(levels()) == steep > found(flat)
 
     def test_sliding_is_held_by_the_drop_alone(self, build: Build) -> None:
         law = {"law": "coulomb", "angle": 10.0}

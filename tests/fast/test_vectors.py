@@ -76,6 +76,12 @@ def test_a_shapefile_is_read(tmp_path: Path) -> None:
     assert differ(found.crs, "EPSG:32611")
 
 
+def test_the_vertical_part_of_a_system_makes_no_other_one() -> None:
+    assert not differ("EPSG:6676+6695", "EPSG:6676")
+    assert not differ("EPSG:6676", rasterio.crs.CRS.from_user_input("EPSG:6676+6695").to_wkt())
+    assert differ("EPSG:6676+6695", "EPSG:6677")
+
+
 def test_a_file_without_a_system_tells_none(tmp_path: Path) -> None:
     for ending in ("geojson", "gpkg"):
         write_polygons(tmp_path / f"a.{ending}", [HOLED])
