@@ -21,7 +21,9 @@ import shapely.geometry.polygon
 from debrisflow.case.reference_systems import fault_of_system, wkt_of
 
 GEOJSON = (".geojson", ".json")
-INSTALL = 'is read by pyogrio, which is not installed: pip install "debrisflow[terrain]"'
+INSTALL = (
+    'is read by pyogrio, which is not installed: pip install rasterio pyogrio (the extra "terrain")'
+)
 NO_DATE = "2000-01-01T00:00:00.000Z"  # the same bytes whenever a file is written
 WANTED = {"Polygon": "polygons", "LineString": "lines"}
 
