@@ -21,7 +21,7 @@ PEAKS = (
 PLACE_WORDS = {
     "moving": "on the terrain at the end, faster than output.rest_speed",
     "at_rest": "on the terrain at the end, slower than that",
-    "left": "over an edge of the DEM, or over cells without a level",
+    "left": "over an edge of the DEM or the top of the space, or onto cells without a level",
     "through_ground": "through the ground or an obstacle",
 }
 
