@@ -38,7 +38,7 @@ from debrisflow.case.rheology import FrictionalStrength, Rheology
 from debrisflow.case.shapes import Geometry
 from debrisflow.case.tables import Particles, Walls
 from debrisflow.case.terrain_checks import file_name
-from debrisflow.case.words import borders_told
+from debrisflow.case.words import format_extent
 
 Releases = tuple[AnyRelease, ...]
 Zones = tuple[Zone, ...]
@@ -117,8 +117,8 @@ def releases_on_ground(geometry: Geometry, release: Releases) -> Problems:
         if not inside:
             how = "partly" if shape.intersects(space) else "wholly"
             message = (
-                f"lies {how} outside the terrain: it reaches over {borders_told(shape.bounds)}, "
-                f"the terrain over {borders_told(geometry.crop)}"
+                f"lies {how} outside the terrain: it reaches over {format_extent(shape.bounds)}, "
+                f"the terrain over {format_extent(geometry.crop)}"
             )
             yield Problem(key, message, value)
         elif (gap := _distance_to_gap(shape, levels)) is not None:

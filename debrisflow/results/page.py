@@ -97,10 +97,10 @@ def as_it_stands(name: str) -> Markup:
 
 def warnings_of(run: Run) -> list[str]:
     """Return what a reader must know of any run before its figures."""
-    told = [f"of the run: {line}" for line in run.warnings]
+    messages = [f"of the run: {line}" for line in run.warnings]
     if run.times[-1] < run.case.time.end * (1.0 - 1e-9):
-        told.append(f"the results end at t = {run.times[-1]:g} s of {run.case.time.end:g} s")
-    return told
+        messages.append(f"the results end at t = {run.times[-1]:g} s of {run.case.time.end:g} s")
+    return messages
 
 
 def _common(run: Run) -> dict[str, Any]:

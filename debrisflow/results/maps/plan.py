@@ -43,7 +43,7 @@ from debrisflow.results.maps.sheet import outline as edges_of
 from debrisflow.results.maps.structures import structures
 from debrisflow.results.words import Words
 from debrisflow.run.atomic import replaced
-from debrisflow.run.ground_forecast import told_volume
+from debrisflow.run.ground_forecast import format_volume
 
 Floats = NDArray[np.float64]
 DPI = 200
@@ -89,7 +89,7 @@ def _figure(case: ResolvedCase, words: Words) -> Figure:
     terrain = case.terrain.levels
     grid = terrain.grid
     title = case.title if writable(case.title) else "-"
-    text = Text("Terrain and releases", title, (_source(case), *_told(case)))
+    text = Text("Terrain and releases", title, (_source(case), *_release_lines(case)))
     figure, axes, size = figure_of(grid, text)
     levels = draw_relief(axes, terrain)
     handles = [*_draw_zones(axes, case), *_draw_releases(axes, case)]
@@ -118,7 +118,7 @@ def _source(case: ResolvedCase) -> str:
     )
 
 
-def _told(case: ResolvedCase) -> Iterator[str]:
+def _release_lines(case: ResolvedCase) -> Iterator[str]:
     """Yield a line a release: what it is, how much and when."""
     for number, part in enumerate(case.release):
         name = _name(part, number)
@@ -128,7 +128,7 @@ def _told(case: ResolvedCase) -> Iterator[str]:
             how += f" over {length_of(part.line):.3g} m"
         else:
             how = PLACES[part.place]
-        yield f"{name}: {told_volume(volume(part))} m³, {how}{start}."
+        yield f"{name}: {format_volume(volume(part))} m³, {how}{start}."
 
 
 def _name(part: ResolvedRelease, number: int) -> str:
