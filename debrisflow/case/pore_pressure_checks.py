@@ -16,7 +16,7 @@ Fill = tuple[AnyFill, ...]
 def pore_pressure_of_fills(
     fill: Fill, geometry: Geometry, walls: Walls, rheology: Rheology
 ) -> Problems:
-    """Check that a fill with a pore pressure has grains, and that something rubs on them."""
+    """Check that a fill with a pore pressure has grains, and friction that it reduces."""
     has_friction = isinstance(rheology, FrictionalStrength) or any(
         isinstance(wall.friction, CoulombFriction | VoellmyFriction) for _, wall in walls
     )
@@ -30,11 +30,11 @@ def pore_pressure_of_fills(
         if not is_three_dimensional(geometry):
             message = "exists only in three dimensions; leave it out"
         elif part.material == "water":
-            message = "water has no grains that it could relieve; fill with 'mixture'"
+            message = "has no effect on water, which has no grains; fill with 'mixture'"
         elif not has_friction:
             message = (
-                "has no effect: nothing rubs; give a wall the friction 'coulomb' or 'voellmy', or "
-                "rheology.type = 'coulomb' or 'mu-i'"
+                "has no effect: there is no friction; give a wall the friction 'coulomb' or "
+                "'voellmy', or rheology.type = 'coulomb' or 'mu-i'"
             )
         else:
             continue

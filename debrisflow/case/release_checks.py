@@ -1,4 +1,4 @@
-"""Checks of what is set free on a terrain: its amount, its place, and what it is made of."""
+"""Checks of the releases on a terrain: amount, place and material."""
 
 from __future__ import annotations
 
@@ -65,8 +65,8 @@ def amounts_given(release: Releases) -> Problems:
             least, most = float(np.nanmin(values)), float(np.nanmax(values))
             if least < 0.0 < most:
                 message = (
-                    f"has depths of both signs, {least:.4g} to {most:.4g} m; leave only what is "
-                    "set free"
+                    f"has depths of both signs, {least:.4g} to {most:.4g} m; give only the "
+                    "depths that are released"
                 )
                 yield Problem(f"release.{k}.file", message, file_name(part.file))
             elif least == most == 0.0:
@@ -170,7 +170,7 @@ def _distance_to_gap(shape: shapely.Geometry, levels: Raster) -> float | None:
 
 
 def releases_sized(geometry: Geometry, release: Releases, particles: Particles) -> Problems:
-    """Check that a release is no elevation, and makes enough particles to be a flow."""
+    """Check that depths are not elevations, and that a release has enough particles."""
     if not isinstance(geometry, ResolvedTerrain):
         return
     for k, part in enumerate(release):
@@ -202,7 +202,7 @@ def releases_sized(geometry: Geometry, release: Releases, particles: Particles) 
 
 
 def releases_apart(geometry: Geometry, release: Releases) -> Problems:
-    """Check that no two masses are set free at one place at one time."""
+    """Check that no two masses are released at the same place and time."""
     if not isinstance(geometry, ResolvedTerrain):
         return
     masses = [
@@ -224,7 +224,7 @@ def releases_apart(geometry: Geometry, release: Releases) -> Problems:
 def _shared_area(
     one: PolygonRelease | RasterRelease, other: PolygonRelease | RasterRelease
 ) -> float:
-    """Return the area over which both of two masses have a depth, m2."""
+    """Return the area that two masses share, m2."""
     if isinstance(one, PolygonRelease) and isinstance(other, PolygonRelease):
         return float(outline(one).intersection(outline(other)).area)
     if isinstance(one, PolygonRelease):
@@ -247,9 +247,9 @@ def water_without_grains(release: Releases) -> Problems:
 def pore_pressure_felt(
     release: Releases, zone: Zones, walls: Walls, rheology: Rheology
 ) -> Problems:
-    """Check that a release with a pore pressure has grains, and that something rubs on them."""
+    """Check that a release with a pore pressure has grains, and friction that it reduces."""
     laws = [walls.floor.friction, *(part.friction for part in zone)]
-    rubs = isinstance(rheology, FrictionalStrength) or any(
+    has_friction = isinstance(rheology, FrictionalStrength) or any(
         isinstance(law, CoulombFriction | VoellmyFriction) for law in laws
     )
     for k, part in enumerate(release):
@@ -259,11 +259,11 @@ def pore_pressure_felt(
                 message = f"has no effect without a share to begin with; give {key} as well"
                 yield Problem(f"{key}_time", message, part.pore_pressure_time)
         elif not isinstance(part, HydrographRelease) and part.material == "water":
-            message = "water has no grains that it could relieve; give material = 'mixture'"
+            message = "has no effect on water, which has no grains; give material = 'mixture'"
             yield Problem(key, message, part.pore_pressure)
-        elif not rubs:
+        elif not has_friction:
             message = (
-                "has no effect: nothing rubs; give walls.floor the friction 'coulomb' or "
+                "has no effect: there is no friction; give walls.floor the friction 'coulomb' or "
                 "'voellmy', or rheology.type = 'coulomb' or 'mu-i'"
             )
             yield Problem(key, message, part.pore_pressure)
@@ -281,16 +281,19 @@ def flows_across_line(geometry: Geometry, release: Releases) -> Problems:
         key = f"release.{k}.direction"
         if part.direction is None:
             if direction_down(line, geometry.levels) is None:
-                message = "missing: the ground does not fall across the line; say to where it flows"
-                yield Problem(key, message + " (degree)")
+                message = (
+                    "missing: the ground does not fall across the line; give the direction of the "
+                    "flow (degree)"
+                )
+                yield Problem(key, message)
             continue
         (a, b), (c, d) = line
         east, north = sin(radians(part.direction)), cos(radians(part.direction))
         across = abs(east * (d - b) - north * (c - a)) / length_of(line)
         if across < cos(radians(ALONG)):
             message = (
-                f"along the line rather than across it; within {ALONG:g} degrees of its normal is "
-                "meant, clockwise from north"
+                f"runs along the line rather than across it; it must be within {ALONG:g} degrees "
+                "of the normal of the line, clockwise from north"
             )
             yield Problem(key, message, part.direction)
 

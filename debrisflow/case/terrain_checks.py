@@ -73,7 +73,7 @@ def terrain_cropped(geometry: Geometry) -> Problems:
 
 
 def terrain_levels(geometry: Geometry) -> Problems:
-    """Check that the ground is as high as ground can be, in meters."""
+    """Check that the elevations are plausible in meters."""
     if not isinstance(geometry, Terrain):
         return
     highest = float(np.nanmax(read_raster(Path(geometry.dem)).values))
@@ -170,7 +170,7 @@ def gravity_upright(geometry: Geometry, gravity: Gravity) -> Problems:
 
 
 def terrain_of_surfaces(geometry: Geometry, scheme: AnyScheme) -> Problems:
-    """Check that a terrain is not asked to be a wall of particles."""
+    """Check that a terrain is not combined with walls of particles."""
     if isinstance(geometry, Terrain) and scheme.form == "study":
         message = "walls of particles are flat; on a terrain use 'stable'"
         yield Problem("scheme.form", message, scheme.form)

@@ -84,7 +84,7 @@ def hazard_map(run: Path, classes: Classes) -> HazardMap:
     Raises
     ------
     OutputError
-        If the run lacks a layer that the classes ask for.
+        If the run lacks a layer that the classes need.
     """
     depth = read_layer(run, "peak_depth")
     reached: NDArray[np.bool_] = np.isfinite(depth.values)

@@ -1,4 +1,4 @@
-"""What a report on a run on a terrain states."""
+"""The figures that a report on a terrain run states."""
 
 from __future__ import annotations
 

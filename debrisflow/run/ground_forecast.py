@@ -1,4 +1,4 @@
-"""What a case on a terrain says before its run: what is released, and how smooth the ground is."""
+"""Forecast of a case on a terrain: the volumes released and the smoothness of the ground."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ AT_START, LATER, BY_HYDROGRAPHS = "at t = 0", "of later masses", "by hydrographs
 class GroundForecast:
     """Figures of a case on a terrain; those of the ground are over the cells within reach.
 
-    Not those along the edges of the DEM.
+    Cells along the edges of the DEM are left out.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class GroundForecast:
 
 
 def format_volume(volume: float) -> str:
-    """Return a volume, m3, with the digits that count.
+    """Return a volume, m3, with three digits, or whole from 1000 m3 on.
 
     Examples
     --------

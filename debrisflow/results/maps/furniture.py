@@ -1,4 +1,4 @@
-"""What makes a picture a map: coordinates on the frame, a scale bar and a north arrow."""
+"""Map elements: coordinates on the frame, a scale bar and a north arrow."""
 
 from __future__ import annotations
 

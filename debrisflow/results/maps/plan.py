@@ -1,4 +1,4 @@
-"""The picture of a case on a terrain before it runs: what is where."""
+"""The picture of a case on a terrain before it runs."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def _source(case: ResolvedCase) -> str:
 
 
 def _release_lines(case: ResolvedCase) -> Iterator[str]:
-    """Yield a line a release: what it is, how much and when."""
+    """Yield a line for each release: kind, volume and time."""
     for number, part in enumerate(case.release):
         name = _name(part, number)
         start = f" from t = {part.start:g} s" if part.start > 0.0 else ""
@@ -210,7 +210,7 @@ def _write(axes: Axes, place: tuple[float, ...], name: str) -> None:
 
 
 def probe_places(case: ResolvedCase) -> Iterator[_Place]:
-    """Yield where the probes of a case stand that have a place in plan."""
+    """Yield the places of the probes of a case that have one in plan."""
     origin = np.array(case.terrain.origin[:2])
     for probe in case.probe:
         points = _points_of(probe, case.terrain.width)

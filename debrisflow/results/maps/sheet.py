@@ -1,4 +1,4 @@
-"""A map sheet: one layer over the relief, with what a reader needs to use it."""
+"""A map sheet: one layer over the relief, with key, scale, north arrow and sources."""
 
 from __future__ import annotations
 
