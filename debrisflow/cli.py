@@ -272,7 +272,7 @@ def postprocess(
     given = [read_reference(path) for path in references]
     run = open_run(folder)
     if surface:
-        run.walls()  # which a terrain does not have
+        run.walls()  # an error on a terrain, whose surface cannot be drawn
     found = survey_of(run, stations, window, times, smooth)
     written, messages = postprocess(found, given)
     if surface:

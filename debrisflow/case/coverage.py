@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 def depth_on(release: PolygonRelease | RasterRelease, grid: MapGrid) -> Floats:
     """Return the mean depth of a release in the cells of a grid, (columns, rows), m.
 
-    Its sum over the cells is the volume of what lies on the grid.
+    Its sum over the cells, times their area, is the volume of the release on the grid.
     """
     if isinstance(release, PolygonRelease):
         return greatest_depth(release) * coverage(outline(release), grid)
@@ -42,8 +42,8 @@ def _shares_along(
 ) -> list[tuple[NDArray[np.int64], Floats]]:
     """Return the cells along an axis that intervals of a length overlap, and by what, m.
 
-    First those of the first cell of each interval, then those of the second, and so on.  What lies
-    beyond the grid overlaps by nothing.
+    First for the first cell of each interval, then for the second, and so on.  Cells beyond the
+    grid have an overlap of 0.
     """
     first = np.floor((start - origin) / cell).astype(np.int64)
     found = []
@@ -57,7 +57,7 @@ def _shares_along(
 
 
 def holds_middles(zone: Zone, grid: MapGrid) -> NDArray[np.bool_]:
-    """Return the middles of which cells lie in a zone, (columns, rows)."""
+    """Return which cells have their middle in a zone, (columns, rows)."""
     x = grid.west + (np.arange(grid.columns) + 0.5) * grid.cell
     y = grid.south + (np.arange(grid.rows) + 0.5) * grid.cell
     return is_in_zone(zone, *np.meshgrid(x, y, indexing="ij"))

@@ -99,7 +99,7 @@ def _times(case: ResolvedCase) -> Iterator[str]:
     for number, part in enumerate(case.release):
         if part.start >= end:
             key = f"release.{part.name or number}.start"
-            yield f"{key} = {part.start:g} s: never set free, since the run ends at {end:g} s"
+            yield f"{key} = {part.start:g} s: never released, since the run ends at {end:g} s"
 
 
 def rows_over_depths(case: ResolvedCase) -> dict[str, int]:

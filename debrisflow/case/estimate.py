@@ -150,8 +150,8 @@ def _estimate_on_terrain(
 ) -> dict[str, float]:
     """Return the estimate of a terrain: volumes over the cube of the spacing.
 
-    What is set free later, and by hydrographs, counts as inflow.  Surface and layers take memory by
-    the cells of the DEM.
+    Later releases and hydrographs count as inflow.  The memory of surface and layers is in
+    proportion to the number of cells of the DEM.
     """
     spacing, fluid, waiting = particles.spacing, 0.0, 0.0
     for part in release:

@@ -33,7 +33,7 @@ DEGREES = (
 
 
 def find_map_files(data: dict[str, Any], folder: Path) -> dict[str, list[Problem]]:
-    """Replace what names files on the map, so that a run finds them again or needs them no more.
+    """Replace the names of map files by absolute paths or by the contents of the files.
 
     Parameters
     ----------

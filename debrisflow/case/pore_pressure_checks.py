@@ -33,7 +33,7 @@ def pore_pressure_of_fills(
 def pore_pressure_of_releases(
     release: Releases, zone: Zones, walls: Walls, rheology: Rheology
 ) -> Problems:
-    """Check that a release with a pore pressure has grains, and that something rubs on them."""
+    """Check that a release with a pore pressure has grains, and friction that it reduces."""
     laws = [walls.floor.friction, *(part.friction for part in zone)]
     for k, part in enumerate(release):
         yield from _not_felt(f"release.{k}.pore_pressure", part, laws, rheology, "walls.floor")
@@ -42,8 +42,8 @@ def pore_pressure_of_releases(
 def _not_felt(
     key: str, part: AnyFill | AnyRelease, laws: Sequence[object], rheology: Rheology, where: str
 ) -> Problems:
-    """Check that matter with a pore pressure has grains, and that something rubs on them."""
-    rubs = isinstance(rheology, FrictionalStrength) or any(
+    """Check that matter with a pore pressure has grains, and friction that it reduces."""
+    has_friction = isinstance(rheology, FrictionalStrength) or any(
         isinstance(law, CoulombFriction | VoellmyFriction) for law in laws
     )
     if part.pore_pressure == 0.0:
@@ -51,12 +51,12 @@ def _not_felt(
             message = f"has no effect without a share to begin with; give {key} as well"
             yield Problem(f"{key}_time", message, part.pore_pressure_time)
     elif not isinstance(part, HydrographRelease) and part.material == "water":
-        message = "water has no grains that it could relieve; give material = 'mixture'"
+        message = "has no effect on water, which has no grains; give material = 'mixture'"
         yield Problem(key, message, part.pore_pressure)
-    elif not rubs:
+    elif not has_friction:
         message = (
-            f"has no effect: nothing rubs; give {where} the friction 'coulomb' or 'voellmy', or "
-            "rheology.type = 'coulomb' or 'mu-i'"
+            f"has no effect: there is no friction; give {where} the friction 'coulomb' or "
+            "'voellmy', or rheology.type = 'coulomb' or 'mu-i'"
         )
         yield Problem(key, message, part.pore_pressure)
 

@@ -22,7 +22,10 @@ Floats = NDArray[np.float64]
 Stamp = tuple[int, int]
 NODATA = -9999.0
 ASCII = (".asc", ".agr", ".grd")
-INSTALL = 'is read by rasterio, which is not installed: pip install "debrisflow[terrain]"'
+INSTALL = (
+    "is read by rasterio, which is not installed: pip install rasterio pyogrio "
+    '(the extra "terrain")'
+)
 LARGEST_NUMBER = 1.0e30  # what lies beyond stands for "no data" in many programs
 MOST_CELLS = 400_000_000  # 3 GiB of levels
 UNEVEN = 1.0e-6  # by which the sides of a cell may differ

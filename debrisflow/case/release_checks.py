@@ -1,4 +1,4 @@
-"""Checks of what is set free on a terrain: its amount, its place, and what it is made of."""
+"""Checks of the releases on a terrain: amount, place and material."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.case.shapes import Geometry
 from debrisflow.case.tables import Particles
 from debrisflow.case.terrain_checks import file_name
-from debrisflow.case.words import borders_told
+from debrisflow.case.words import format_extent
 
 Releases = tuple[AnyRelease, ...]
 
@@ -61,8 +61,8 @@ def amounts_given(release: Releases) -> Problems:
             least, most = float(np.nanmin(values)), float(np.nanmax(values))
             if least < 0.0 < most:
                 message = (
-                    f"has depths of both signs, {least:.4g} to {most:.4g} m; leave only what is "
-                    "set free"
+                    f"has depths of both signs, {least:.4g} to {most:.4g} m; give only the "
+                    "depths that are released"
                 )
                 yield Problem(f"release.{k}.file", message, file_name(part.file))
             elif least == most == 0.0:
@@ -113,8 +113,8 @@ def releases_on_ground(geometry: Geometry, release: Releases) -> Problems:
         if not inside:
             how = "partly" if shape.intersects(space) else "wholly"
             message = (
-                f"lies {how} outside the terrain: it reaches over {borders_told(shape.bounds)}, "
-                f"the terrain over {borders_told(geometry.crop)}"
+                f"lies {how} outside the terrain: it reaches over {format_extent(shape.bounds)}, "
+                f"the terrain over {format_extent(geometry.crop)}"
             )
             yield Problem(key, message, value)
         elif (gap := _distance_to_gap(shape, levels)) is not None:
@@ -166,7 +166,7 @@ def _distance_to_gap(shape: shapely.Geometry, levels: Raster) -> float | None:
 
 
 def releases_sized(geometry: Geometry, release: Releases, particles: Particles) -> Problems:
-    """Check that a release is no elevation, and makes enough particles to be a flow."""
+    """Check that depths are not elevations, and that a release has enough particles."""
     if not isinstance(geometry, ResolvedTerrain):
         return
     for k, part in enumerate(release):
@@ -198,7 +198,7 @@ def releases_sized(geometry: Geometry, release: Releases, particles: Particles) 
 
 
 def releases_apart(geometry: Geometry, release: Releases) -> Problems:
-    """Check that no two masses are set free at one place at one time."""
+    """Check that no two masses are released at the same place and time."""
     if not isinstance(geometry, ResolvedTerrain):
         return
     masses = [
@@ -220,7 +220,7 @@ def releases_apart(geometry: Geometry, release: Releases) -> Problems:
 def _shared_area(
     one: PolygonRelease | RasterRelease, other: PolygonRelease | RasterRelease
 ) -> float:
-    """Return the area over which both of two masses have a depth, m2."""
+    """Return the area that two masses share, m2."""
     if isinstance(one, PolygonRelease) and isinstance(other, PolygonRelease):
         return float(outline(one).intersection(outline(other)).area)
     if isinstance(one, PolygonRelease):
@@ -252,16 +252,19 @@ def flows_across_line(geometry: Geometry, release: Releases) -> Problems:
         key = f"release.{k}.direction"
         if part.direction is None:
             if direction_down(line, geometry.levels) is None:
-                message = "missing: the ground does not fall across the line; say to where it flows"
-                yield Problem(key, message + " (degree)")
+                message = (
+                    "missing: the ground does not fall across the line; give the direction of the "
+                    "flow (degree)"
+                )
+                yield Problem(key, message)
             continue
         (a, b), (c, d) = line
         east, north = sin(radians(part.direction)), cos(radians(part.direction))
         across = abs(east * (d - b) - north * (c - a)) / length_of(line)
         if across < cos(radians(ALONG)):
             message = (
-                f"along the line rather than across it; within {ALONG:g} degrees of its normal is "
-                "meant, clockwise from north"
+                f"runs along the line rather than across it; it must be within {ALONG:g} degrees "
+                "of the normal of the line, clockwise from north"
             )
             yield Problem(key, message, part.direction)
 

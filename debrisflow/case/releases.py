@@ -1,4 +1,4 @@
-"""The tables of what is set free on a terrain, and of the zones of its friction."""
+"""The tables of releases on a terrain and of zones of friction."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ def _name() -> Any:
 
 
 def _start() -> Any:
-    return quantity("s", "time at which it is set free", 0.0, ge=0)
+    return quantity("s", "time of the release", 0.0, ge=0)
 
 
 class Mass(Table):
-    """What masses that are set free at once have in common."""
+    """Fields that all released masses share."""
 
     name: str | None = _name()
     place: Literal["on-terrain", "in-terrain"] = quantity(
         NONE,
-        "on-terrain: put on the ground of the DEM; in-terrain: taken out of it, whose ground is "
-        "lower by the depth there, from t = 0 on",
+        "on-terrain: placed on the ground of the DEM; in-terrain: taken out of it, so that the "
+        "ground there is lower by the depth of the release from t = 0 on",
         "on-terrain",
     )
     start: float = _start()
@@ -91,7 +91,7 @@ class RasterRelease(Mass):
 
 
 class HydrographRelease(Table):
-    """A flow that enters over a straight line on the map, as deep as discharge and velocity ask."""
+    """A flow over a straight line on the map; its depth follows from discharge and velocity."""
 
     name: str | None = _name()
     type: Literal["hydrograph"]

@@ -278,7 +278,7 @@ class ExplicitScheme(Table):
     density_relaxation: float | None = quantity(
         "s",
         "time in which the density follows that summed over the particles; that of a free fall "
-        "through what is filled or set free if left out",
+        "through the fills or releases if left out",
         None,
         gt=0,
     )
@@ -415,7 +415,7 @@ class Case(Table):
     )
     release: Annotated[
         tuple[Annotated[AnyRelease, Field(discriminator="type")], ...], Strict(False)
-    ] = Field((), description="what is set free on a terrain, at the start or later")
+    ] = Field((), description="masses and flows released on a terrain, at the start or later")
     walls: Walls = Walls()
     zone: Annotated[tuple[Zone, ...], Strict(False)] = Field(
         (), description="parts of a terrain with a friction of their own, instead of the floor's"

@@ -37,7 +37,7 @@ def built_terrain(
 ) -> ResolvedTerrain:
     """Return a terrain with its borders on cells of the DEM, its surface, top and origin.
 
-    It is one on the map where it was given no origin; what is built stays as it is.
+    Without an origin its lengths are those of the map.  A terrain already built is unchanged.
     """
     if isinstance(terrain, ResolvedTerrain):
         return terrain

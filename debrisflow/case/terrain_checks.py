@@ -23,7 +23,7 @@ from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.case.shapes import Geometry
 from debrisflow.case.tables import AnyObstacle, AnyScheme, Gravity, Walls
 from debrisflow.case.terrain import Terrain
-from debrisflow.case.words import borders_told, either, place
+from debrisflow.case.words import either, format_extent, place
 
 Releases = tuple[AnyRelease, ...]
 Zones = tuple[Zone, ...]
@@ -56,7 +56,7 @@ def terrain_cropped(geometry: Geometry) -> Problems:
             return
         slack = 0.5 * grid.cell
         if min(west - grid.west, south - grid.south, grid.east - east, grid.north - north) < -slack:
-            whole = borders_told((grid.west, grid.south, grid.east, grid.north))
+            whole = format_extent((grid.west, grid.south, grid.east, grid.north))
             yield Problem("geometry.crop", f"not inside the DEM, {whole}", geometry.crop)
             return
     levels = geometry.levels
@@ -73,7 +73,7 @@ def terrain_cropped(geometry: Geometry) -> Problems:
 
 
 def terrain_levels(geometry: Geometry) -> Problems:
-    """Check that the ground is as high as ground can be, in meters."""
+    """Check that the elevations are plausible in meters."""
     if not isinstance(geometry, Terrain):
         return
     highest = float(np.nanmax(read_raster(Path(geometry.dem)).values))
@@ -143,7 +143,7 @@ def zones_on_ground(geometry: Geometry, zone: Zones) -> Problems:
                 yield Problem(f"zone.{k}.value", message, part.value)
         elif not outline(part).intersects(shapely.box(*geometry.crop)):
             key = f"zone.{k}." + ("corners" if part.file is None else "file")
-            message = f"lies outside the terrain, {borders_told(geometry.crop)}"
+            message = f"lies outside the terrain, {format_extent(geometry.crop)}"
             yield Problem(key, message, part.corners if part.file is None else file_name(part.file))
 
 
@@ -170,7 +170,7 @@ def gravity_upright(geometry: Geometry, gravity: Gravity) -> Problems:
 
 
 def terrain_of_surfaces(geometry: Geometry, scheme: AnyScheme) -> Problems:
-    """Check that a terrain is not asked to be a wall of particles."""
+    """Check that a terrain is not combined with walls of particles."""
     if isinstance(geometry, Terrain) and scheme.form == "study":
         message = "walls of particles are flat; on a terrain use 'stable'"
         yield Problem("scheme.form", message, scheme.form)

@@ -1,7 +1,7 @@
 """Polygons and lines on a map, read from and written to files.
 
-GeoJSON is read and written here; GeoPackage, Shapefile and whatever else GDAL knows by pyogrio,
-which is imported by what needs it, since most cases have no terrain.
+GeoJSON is read and written here; GeoPackage, Shapefile and other formats of GDAL by pyogrio, which
+is imported only where it is needed, since most cases have no terrain.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ import shapely.geometry.polygon
 from debrisflow.case.reference_systems import fault_of_system, wkt_of
 
 GEOJSON = (".geojson", ".json")
-INSTALL = 'is read by pyogrio, which is not installed: pip install "debrisflow[terrain]"'
+INSTALL = (
+    'is read by pyogrio, which is not installed: pip install rasterio pyogrio (the extra "terrain")'
+)
 NO_DATE = "2000-01-01T00:00:00.000Z"  # the same bytes whenever a file is written
 WANTED = {"Polygon": "polygons", "LineString": "lines"}
 
@@ -36,10 +38,10 @@ class Polygons(NamedTuple):
     Attributes
     ----------
     shapes : tuple of shapely.Polygon
-        One at least, valid, without levels; those of several parts are taken apart.
+        At least one, valid, without elevations; multipolygons are split into their parts.
     crs : str
-        Coordinate reference system as WKT, or by its name where that is not known; empty where the
-        file tells none.
+        Coordinate reference system as WKT, or by its name where that is not known; empty if the
+        file states none.
     """
 
     shapes: tuple[shapely.Polygon, ...]
@@ -102,7 +104,7 @@ def write_polygons(
     Parameters
     ----------
     path : Path
-        Its ending, ``.geojson`` or ``.gpkg``, tells the format.
+        Its ending, ``.geojson`` or ``.gpkg``, sets the format.
     polygons : sequence of shapely.Polygon or shapely.MultiPolygon
     attributes : mapping of str to sequence, optional
         Columns of a value for each polygon: numbers, text, None or nan where there is none.
@@ -123,7 +125,7 @@ def write_polygons(
 
 
 def _stamp(path: Path) -> tuple[int, int]:
-    """Return what tells that a file has not changed."""
+    """Return a stamp by which a changed file is recognized."""
     try:
         state = path.stat()
     except OSError as error:
@@ -261,7 +263,7 @@ def _name_of(crs: str) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON knows it."""
+    """Return a value as a type of JSON."""
     value = value.item() if hasattr(value, "item") else value
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
@@ -284,7 +286,7 @@ def _write_by_gdal(
     ]
     path.unlink(missing_ok=True)
     pyogrio.set_gdal_config_options({"OGR_CURRENT_DATE": NO_DATE})
-    with warnings.catch_warnings():  # of a map whose system is not told
+    with warnings.catch_warnings():  # where the map states no system
         warnings.filterwarnings("ignore", message="'crs' was not provided")
         pyogrio.raw.write(
             path,

@@ -28,12 +28,12 @@ def place(value: float) -> str:
     return f"{value:.6g}" if abs(value) < MAP else f"{value:.3f}".rstrip("0").rstrip(".")
 
 
-def borders_told(box: tuple[float, ...]) -> str:
+def format_extent(box: tuple[float, ...]) -> str:
     """Return the extents of a box on a map, west, south, east, north, m, as in a case file.
 
     Examples
     --------
-    >>> borders_told((500000.0, 4000000.0, 500200.0, 4000120.5))
+    >>> format_extent((500000.0, 4000000.0, 500200.0, 4000120.5))
     'x = [500000, 500200], y = [4000000, 4000120.5] m'
     """
     west, south, east, north = map(place, box)

@@ -90,7 +90,7 @@ ARRAYS = (
     OutputArray(
         "pore_pressure",
         "",
-        "share that pore water bears of what presses on the particle, where a fill has one",
+        "share of the load on the particle that pore water bears, if a fill or release has one",
         "float32",
         optional=True,
     ),

@@ -15,7 +15,7 @@ from debrisflow.results.answers import answers, answers_by_heading
 from debrisflow.results.parameters import differences
 from debrisflow.results.plots.comparison import draw_comparison
 from debrisflow.results.plots.terrain import draw_terrain_comparison
-from debrisflow.results.references import RUN, Distance, Reference, distances, told_distance
+from debrisflow.results.references import RUN, Distance, Reference, distances, format_distance
 from debrisflow.results.station_figures import COLUMNS, unit_of
 from debrisflow.results.stations import VOLUME
 from debrisflow.results.survey import AnySurvey, Survey
@@ -205,7 +205,7 @@ def table_lines(together: Comparison) -> list[str]:
     lines = [(name, *values) for name, *values in together.differing]
     many = sum(heading == PROBES for heading, *_ in together.figures) > MOST_PRINTED
     figures = [
-        (f"{name}, {unit}" if unit != ABSENT else name, *map(_told, values))
+        (f"{name}, {unit}" if unit != ABSENT else name, *map(_format_value, values))
         for heading, name, unit, values in together.figures
         if not (many and heading == PROBES)
         and not (heading == STATIONS and not name.endswith("_arrival"))
@@ -218,10 +218,10 @@ def table_lines(together: Comparison) -> list[str]:
         for row in rows
     ]
     return table + [
-        told_distance(row._replace(ours=name if row.ours == RUN else f"{name}, {row.ours}"))
+        format_distance(row._replace(ours=name if row.ours == RUN else f"{name}, {row.ours}"))
         for name, row in together.distances
     ]
 
 
-def _told(value: float) -> str:
+def _format_value(value: float) -> str:
     return "nan" if np.isnan(value) else f"{value:.4g}"

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case.rasters import (
+    EmptyRasterError,
     Raster,
     UnreadableRasterError,
     has_rasterio,
@@ -83,7 +84,7 @@ def hazard_map(run: Path, classes: Classes) -> HazardMap:
     Raises
     ------
     OutputError
-        If the run lacks a layer that the classes ask for.
+        If the run lacks a layer that the classes need.
     """
     depth = read_layer(run, "peak_depth")
     reached: NDArray[np.bool_] = np.isfinite(depth.values)
@@ -196,7 +197,7 @@ def read_class_map(run: Path, name: str) -> ClassMap:
         found = sorted(
             (int(e.get("value", "")), e.get("label", ""), e.get("color", "")) for e in entries
         )
-        values = read_raster(raster)
+        values = _class_values(raster)
     except UnreadableRasterError as error:
         raise OutputError(f"{raster} {error}") from error
     except (OSError, ValueError, ElementTree.ParseError) as error:
@@ -209,6 +210,14 @@ def read_class_map(run: Path, name: str) -> ClassMap:
         tuple(label for _, label, _ in found),
         tuple(color for _, _, color in found),
     )
+
+
+def _class_values(file: Path) -> Raster:
+    """Return the raster of a map of classes; all nan if the flow reached no cell."""
+    try:
+        return read_raster(file)
+    except EmptyRasterError as empty:
+        return empty.raster
 
 
 def area_lines(found: HazardMap) -> list[str]:

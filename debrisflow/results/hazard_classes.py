@@ -107,7 +107,7 @@ class Classes(NamedTuple):
 
     @property
     def layers(self) -> list[str]:
-        """Return the names of the layers that are asked for."""
+        """Return the names of the layers that the conditions need."""
         asked = [c.layer for one in self.classes for group in one.alternatives for c in group]
         return sorted({*asked, *(limit.layer for limit in self.limits.values())})
 
@@ -123,7 +123,7 @@ class Classes(NamedTuple):
         reached : bool array
             Where the flow comes.
         layers : mapping of str to float64 array
-            Those that are asked for, nan where they have no data.
+            The layers of the conditions, nan where they have no data.
         """
         found = np.full(reached.shape, np.nan)
         for place in reversed(range(len(self.classes))):

@@ -42,7 +42,7 @@ def read_layer(run: Path, name: str) -> Raster:
     """
     file = layer_file(run, name)
     if file is None:
-        raise OutputError(f"{run} has no layer '{name}', but {', '.join(layer_names(run))}")
+        raise OutputError(f"{run} has no layer '{name}'; it has {', '.join(layer_names(run))}")
     try:
         return read_raster(file)
     except EmptyRasterError as empty:

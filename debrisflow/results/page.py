@@ -1,4 +1,4 @@
-"""What all reports are made of: a page that needs nothing else, and what it says of a run."""
+"""Parts that all reports share: a self-contained page, its pictures and its warnings."""
 
 from __future__ import annotations
 
@@ -96,11 +96,11 @@ def as_it_stands(name: str) -> Markup:
 
 
 def warnings_of(run: Run) -> list[str]:
-    """Return what a reader must know of any run before its figures."""
-    told = [f"of the run: {line}" for line in run.warnings]
+    """Return the warnings that stand before the figures of any run."""
+    messages = [f"of the run: {line}" for line in run.warnings]
     if run.times[-1] < run.case.time.end * (1.0 - 1e-9):
-        told.append(f"the results end at t = {run.times[-1]:g} s of {run.case.time.end:g} s")
-    return told
+        messages.append(f"the results end at t = {run.times[-1]:g} s of {run.case.time.end:g} s")
+    return messages
 
 
 def _common(run: Run) -> dict[str, Any]:

@@ -87,7 +87,7 @@ def summary(case: ResolvedCase) -> str:
 
 def _words(case: ResolvedCase) -> Iterator[str]:
     d0, matter = case.particles.spacing, phases(case.fill, case.inflow, case.geometry, case.release)
-    yield f"d0 = {told_length(d0)}"
+    yield f"d0 = {format_length(d0)}"
     if case.gravity.vector is not None:
         yield "gravity ({:g}, {:g}) m/s²".format(*case.gravity.vector)
     elif case.gravity.slope:
@@ -107,12 +107,12 @@ def _words(case: ResolvedCase) -> Iterator[str]:
         yield f"supply {_supply(case.inflow, case.dimension)}"
 
 
-def told_length(length: float) -> str:
+def format_length(length: float) -> str:
     """Return a length of particles in words, in m or mm.
 
     Examples
     --------
-    >>> told_length(1.5), told_length(0.0125)
+    >>> format_length(1.5), format_length(0.0125)
     ('1.5 m', '12.5 mm')
     """
     return f"{length:g} m" if length >= IN_METERS else f"{1000.0 * length:g} mm"

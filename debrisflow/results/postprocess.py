@@ -25,7 +25,7 @@ from debrisflow.results.references import (
     Distance,
     Reference,
     distances_to_all,
-    told_distance,
+    format_distance,
 )
 from debrisflow.results.shared_answers import Answer
 from debrisflow.results.survey import AnySurvey, Survey
@@ -75,10 +75,12 @@ def postprocess(found: AnySurvey, given: Sequence[Reference] = ()) -> tuple[list
     target = found.run.folder / POSTPROCESS
     rows, measured = answers(found), distances_to_all(found, given)
     files = _write_tables(found, measured, rows, target)
-    return [*files, *draw(found, given, measured, target)], _told(found, rows, measured)
+    return [*files, *draw(found, given, measured, target)], _summary_lines(found, rows, measured)
 
 
-def _told(found: AnySurvey, rows: Sequence[Answer], measured: Sequence[Distance]) -> list[str]:
+def _summary_lines(
+    found: AnySurvey, rows: Sequence[Answer], measured: Sequence[Distance]
+) -> list[str]:
     """Return run-out, arrivals, stations and distances as lines."""
     lines = [] if found.mobility is not None else [NO_RUNOUT]
     for row in rows:
@@ -94,7 +96,7 @@ def _told(found: AnySurvey, rows: Sequence[Answer], measured: Sequence[Distance]
     if isinstance(found, Survey):
         volume = stations.VOLUME[found.run.case.dimension]
         lines += station_figures.table_lines(found.station_figures, volume)
-    lines += [told_distance(one) for one in measured if one.points or one.reference != DILATANT]
+    lines += [format_distance(one) for one in measured if one.points or one.reference != DILATANT]
     return lines
 
 
@@ -119,7 +121,7 @@ def _write_tables(
         ("answers", shared_answers.COLUMNS, shared_answers.HEAD, rows),
     ]
     if found.probe_curves:
-        span = {"span": probe_curves.told_span(found.smoothing)}
+        span = {"span": probe_curves.format_span(found.smoothing)}
         head = _filled(probe_curves.HEAD, span | window)
         tables.append(("probes", probe_curves.COLUMNS, head, found.probe_figures))
     for name, columns, head, lines in tables:

@@ -293,6 +293,6 @@ def _arrival(curve: ProbeCurve, greatest_change: float) -> float:
     return float(curve.time[np.argmax(there)]) if there.any() else np.nan
 
 
-def told_span(span: float | None) -> str:
+def format_span(span: float | None) -> str:
     """Return over which time a running mean goes, in words."""
     return f"{SMOOTHED} intervals of the probe" if span is None else f"{span:g} s"

@@ -101,7 +101,7 @@ HEAD = (
 )
 
 
-def told_distance(one: Distance) -> str:
+def format_distance(one: Distance) -> str:
     """Return a distance as a line."""
     curve = f"distance to {one.reference}, {one.curve}, {one.ours}: "
     if not one.points:

@@ -9,7 +9,7 @@ from typing import Any
 from debrisflow.results.answers import answers_by_heading
 from debrisflow.results.page import picture, warnings_of, write_page
 from debrisflow.results.postprocess import postprocess
-from debrisflow.results.probe_curves import told_span
+from debrisflow.results.probe_curves import format_span
 from debrisflow.results.references import Reference, distances_to_all
 from debrisflow.results.station_figures import cells
 from debrisflow.results.stations import VOLUME
@@ -34,15 +34,15 @@ def report(found: Survey, given: Sequence[Reference] = (), language: str = ENGLI
 
 
 def _contents(found: Survey, given: Sequence[Reference]) -> dict[str, Any]:
-    told = warnings_of(found.run)
+    messages = warnings_of(found.run)
     if found.mobility is not None and found.mobility.bound:
-        told.append(f"the run-out is {found.mobility.bound}")
+        messages.append(f"the run-out is {found.mobility.bound}")
     return {
         "answers": answers_by_heading(found),
-        "warnings": told,
+        "warnings": messages,
         "stations": cells(found.station_figures, VOLUME[found.run.case.dimension]),
         "probes": found.probe_figures,
-        "span": told_span(found.smoothing),
+        "span": format_span(found.smoothing),
         "distances": [row for row in distances_to_all(found, given) if row.points],
         "window": found.window,
     }

@@ -48,14 +48,14 @@ def write_score(run: Path, observed: Path, found: Comparison) -> list[Path]:
     write_table(table, Row._fields, head, found.rows)
     with styled():
         figure = score_figure(found)
-        told = [
+        measures = [
             f"{r.measure} = {r.shown} {r.unit}".strip() for r in found.rows if r.measure in TOLD
         ]
         picture = save(
             figure,
             folder / "score.png",
             f"Simulated extent against {observed.name}",
-            [", ".join(told)],
+            [", ".join(measures)],
         )
     return [table, picture]
 

@@ -1,4 +1,4 @@
-"""What a report on a run on a terrain states."""
+"""The figures that a report on a terrain run states."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PEAKS = (
 PLACE_WORDS = {
     "moving": "on the terrain at the end, faster than output.rest_speed",
     "at_rest": "on the terrain at the end, slower than that",
-    "left": "over an edge of the DEM, or over cells without a level",
+    "left": "over an edge of the DEM or the top of the space, or onto cells without a level",
     "through_ground": "through the ground or an obstacle",
 }
 
@@ -67,7 +67,9 @@ def _runout(found: TerrainSurvey, words: Words) -> list[Answer]:
             "s",
             words("from which on less than 1 % of the volume moves"),
         ),
-        Answer("runout_length", flow.runout, "m", words(along, place=_told(flow.toe)) + bound),
+        Answer(
+            "runout_length", flow.runout, "m", words(along, place=_coordinates(flow.toe)) + bound
+        ),
         Answer("reach", flow.reach, "m", words(straight) + bound),
         Answer(
             "travel_distance",
@@ -101,15 +103,17 @@ def _extent(found: TerrainSurvey, words: Words) -> list[Answer]:
     ]
     for name, layer, unit, meaning in PEAKS:
         value, place = found.peak(layer)
-        told = words(
-            "{meaning}, ever, in the cell {place}", meaning=words(meaning), place=_told(place)
+        meaning_text = words(
+            "{meaning}, ever, in the cell {place}",
+            meaning=words(meaning),
+            place=_coordinates(place),
         )
-        rows.append(Answer(name, value, unit, told))
+        rows.append(Answer(name, value, unit, meaning_text))
     last = greatest(arrival[np.isfinite(arrival)])
     return [*rows, Answer("arrival_latest", last, "s", words("of a cell"))]
 
 
-def _told(place: tuple[float, float]) -> str:
+def _coordinates(place: tuple[float, float]) -> str:
     """Return a place on the map, east and north, m."""
     return f"({place[0]:.1f}, {place[1]:.1f})"
 
@@ -122,7 +126,7 @@ def _deposit(found: TerrainSurvey, words: Words) -> list[Answer]:
         speed=f"{output.rest_speed:g}",
         least=f"{output.layer_depth:g}",
     )
-    where = words("in the cell {place}", place=_told(thickest.place))
+    where = words("in the cell {place}", place=_coordinates(thickest.place))
     return [
         Answer("deposit_area", float(np.count_nonzero(depth)) * cell, "m2", slow),
         Answer("deposit_volume", float(depth.sum()) * cell, "m3", slow),
@@ -143,5 +147,5 @@ def _ledger(found: TerrainSurvey, words: Words) -> list[Answer]:
     for place in PLACES:
         value = at(table[place], -1) * volume
         rows.append(Answer(f"volume_{place}", value, "m3", words(PLACE_WORDS[place])))
-    told = words("particles by which it fails to add up at any time")
-    return [*rows, Answer("ledger_error", found.ledger_error, "-", told)]
+    meaning_text = words("particles by which it fails to add up at any time")
+    return [*rows, Answer("ledger_error", found.ledger_error, "-", meaning_text)]

@@ -14,7 +14,7 @@ from debrisflow.results.maps.web import web_map
 from debrisflow.results.page import Picture, as_it_stands, picture, warnings_of, write_page
 from debrisflow.results.plots import DESCRIPTIONS, ON_TERRAIN
 from debrisflow.results.postprocess import postprocess
-from debrisflow.results.probe_curves import told_span
+from debrisflow.results.probe_curves import format_span
 from debrisflow.results.reader import Run
 from debrisflow.results.references import Reference, distances_to_all
 from debrisflow.results.terrain_answers import terrain_answers
@@ -64,7 +64,7 @@ def terrain_report(
         "answers": terrain_answers(found, words),
         "classes": [class_areas(run, name) for name in class_names(run.folder)],
         "probes": found.probe_figures,
-        "span": told_span(found.smoothing),
+        "span": format_span(found.smoothing),
         "distances": [row for row in distances_to_all(found, given) if row.points],
         "window": found.window,
         "plots": [picture(file, known) for file in written if file.suffix == ".png"],
@@ -74,12 +74,12 @@ def terrain_report(
 
 def _warnings(found: TerrainSurvey) -> list[str]:
     """Return what a reader of the page must know before its figures."""
-    told = warnings_of(found.run)
+    messages = warnings_of(found.run)
     if found.mobility.bound:
-        told.append(f"the run-out is {found.mobility.bound}")
+        messages.append(f"the run-out is {found.mobility.bound}")
     if found.ledger_error:
-        told.append(f"the ledger fails to add up by {found.ledger_error:g} particles")
-    return told
+        messages.append(f"the ledger fails to add up by {found.ledger_error:g} particles")
+    return messages
 
 
 def sheets(run: Run) -> list[Picture]:

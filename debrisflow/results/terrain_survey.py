@@ -1,4 +1,4 @@
-"""What a flow on a terrain did: how far and how wide it came, by its layers, and its ledger."""
+"""Measures of a run on a terrain: distances, areas and peaks from its layers, and its ledger."""
 
 from __future__ import annotations
 

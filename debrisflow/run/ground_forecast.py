@@ -1,4 +1,4 @@
-"""What a case on a terrain says before its run: what is released, and how smooth the ground is."""
+"""Forecast of a case on a terrain: the volumes released and the smoothness of the ground."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ AT_START, LATER, BY_HYDROGRAPHS = "at t = 0", "of later masses", "by hydrographs
 class GroundForecast:
     """Figures of a case on a terrain; those of the ground are over the cells within reach.
 
-    Not those along the edges of the DEM.
+    Cells along the edges of the DEM are left out.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class GroundForecast:
     def __str__(self) -> str:
         """Return the figures as readable lines, with a warning of a ground that is too sharp."""
         whole = sum(self.volumes.values())
-        parts = ", ".join(f"{name}: {told_volume(one)}" for name, one in self.volumes.items())
+        parts = ", ".join(f"{name}: {format_volume(one)}" for name, one in self.volumes.items())
         apart = "the surface passes through all of them"
         if self.greatest >= LEAST_SHOWN:
             apart = (
@@ -69,7 +69,7 @@ class GroundForecast:
                 f"{self.place[0]:.0f}, {self.place[1]:.0f}"
             )
         lines = [
-            f"released       {told_volume(whole)} m3, {parts}",
+            f"released       {format_volume(whole)} m3, {parts}",
             f"ground         cells of {self.width:g} m, of the DEM {self.cell:g} m; {apart}",
             f"within reach   {self.area:,.0f} m2 below the energy line of the least friction",
             f"curvature      |H| r_e > {BENT:g} on {_percent(self.bent)}, > {SHARP:g} on "
@@ -83,12 +83,12 @@ class GroundForecast:
         return "\n".join(lines)
 
 
-def told_volume(volume: float) -> str:
-    """Return a volume, m3, with the digits that count.
+def format_volume(volume: float) -> str:
+    """Return a volume, m3, with three digits, or whole from 1000 m3 on.
 
     Examples
     --------
-    >>> told_volume(22480.68), told_volume(12.345)
+    >>> format_volume(22480.68), format_volume(12.345)
     ('22,481', '12.3')
     """
     return f"{volume:,.0f}" if volume >= 1000.0 else f"{volume:.3g}"

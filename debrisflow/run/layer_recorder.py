@@ -30,7 +30,7 @@ class LayerRecorder:
     spacing : float
         d0, m.
     threshold : float, m
-        Depth that tells flow from none.
+        Depth from which a cell counts as reached.
     """
 
     def __init__(self, grid: MapGrid, spacing: float, threshold: float) -> None:

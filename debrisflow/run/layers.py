@@ -68,7 +68,7 @@ class Origin(NamedTuple):
     spacing : float
         d0, m.
     threshold : float, m
-        Depth that tells flow from none.
+        Depth from which a cell counts as reached.
     time : float, s
     """
 
@@ -98,8 +98,8 @@ def write_layers(
 ) -> list[Path]:
     """Write all layers of a run with their styles, and the extent of the flow as polygons.
 
-    Those that count the flow have no data where the depth never exceeded the threshold.  What is
-    there already is replaced when all files are complete.
+    Layers of the flow have no data where the depth never exceeded the threshold.  Existing files
+    are replaced when all new ones are complete.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def write_layers(
     grid : MapGrid
     layers : Layers
     others : mapping of str to (columns, rows) float64 array, m
-        Deposit, final depth, release and terrain, those that there are; nan for no data.
+        Deposit, final depth, release and terrain, where the run has them; nan for no data.
     origin : Origin
 
     Returns

@@ -19,7 +19,8 @@ HEAD = (
     "time: s",
     "released: particles since the start; released = moving + at_rest + left + through_ground",
     "moving, at_rest: particles on the terrain, as fast as output.rest_speed or slower",
-    "left: particles that went over an edge of the DEM, or over cells without a level",
+    "left: particles that went over an edge of the DEM or the top of the space, or onto cells "
+    "without a level",
     "through_ground: particles that were lost through the ground or an obstacle",
     "volume_released: m3, of the particles released",
 )

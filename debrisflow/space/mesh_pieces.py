@@ -102,10 +102,10 @@ def surface_of_box(box: BoxObstacle) -> Surface:
 def _on_ground(
     pieces: Floats, pulled_back: float, case: ResolvedCase
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return of a body what is above the ground of a terrain, and which pieces can be met.
+    """Return the pieces of a body above the ground, and which of them a particle can meet.
 
-    What lies below the ground is lifted to it, so that the base follows the ground, and of its
-    sides below nothing is left.  Then nothing is counted twice, in the body and in the ground.
+    Points below the ground are lifted to it, so that the base follows the ground and buried parts
+    of the sides vanish.  Thus no volume is counted twice, in the body and in the ground.
     """
     d0, ground = case.particles.spacing, ground_of(case).surface
     lifted, buried = pieces.copy(), np.ones(pieces.shape[:2], dtype=bool)

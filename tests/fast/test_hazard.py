@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from debrisflow.case.rasters import MapGrid, Raster, read_raster, write_raster
 from debrisflow.cli import main
 from debrisflow.errors import CaseError, OutputError
-from debrisflow.results.hazard import hazard_map
+from debrisflow.results.hazard import hazard_map, read_class_map, write_hazard
 from debrisflow.results.hazard_classes import read_classes, shipped
 from debrisflow.results.layers import layer_names, read_layer
 
@@ -103,6 +103,13 @@ def test_the_command_writes_raster_style_polygons_and_table(run: Path) -> None:
     assert [entry.get("label") for entry in entries] == ["high", "medium"]
 
 
+def test_a_map_without_any_class_is_read_back(tmp_path: Path) -> None:
+    nothing = np.full((2, 3), NAN)
+    run = run_with(tmp_path, peak_depth=nothing, peak_speed=nothing, peak_pressure=nothing)
+    write_hazard(run, hazard_map(run, read_classes("swiss")))
+    assert np.isnan(read_class_map(run, "class_swiss").raster.values).all()
+
+
 Change = Callable[[str], str]
 
 
@@ -158,7 +165,8 @@ def test_missing_layers_are_told(tmp_path: Path) -> None:
         layer_names(tmp_path)
     run = run_with(tmp_path / "run", peak_depth=DEPTH, peak_speed=SPEED)
     assert layer_names(run) == ["peak_depth", "peak_speed"]
-    with pytest.raises(OutputError, match="no layer 'peak_pressure', but peak_depth, peak_speed"):
+    known = "no layer 'peak_pressure'; it has peak_depth, peak_speed"
+    with pytest.raises(OutputError, match=known):
         read_layer(run, "peak_pressure")
     (run / "layers" / "peak_depth.tif").write_bytes(b"II*\0nothing")
     with pytest.raises(OutputError, match=r"peak_depth\.tif cannot be read as a raster"):

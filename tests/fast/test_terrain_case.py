@@ -376,7 +376,7 @@ class TestFiles:
         for name in ("rasterio", "rasterio.crs", "pyogrio"):
             monkeypatch.setitem(sys.modules, name, None)
         (tmp_path / "dem.tif").touch()
-        install = 'which is not installed: pip install "debrisflow[terrain]"'
+        install = 'which is not installed: pip install rasterio pyogrio (the extra "terrain")'
         assert self.refused(build, geometry={"dem": "dem.tif"}).endswith(install)
         release = {"type": "polygon", "file": "dem.asc", "depth": 1.0}
         assert self.refused(build, release=release).endswith(install)

@@ -32,7 +32,7 @@ class BandsProbe(Probe):
             known = f": {either(list(space.obstacles))}" if space.obstacles else ""
             yield Fault("wall", f"must be an obstacle{known}", self.wall)
         elif getattr(space.obstacles[self.wall], "motion", None) is not None:
-            message = "it moves, and bands do not; ask for the force on it: type = 'force'"
+            message = "the obstacle moves, which bands cannot follow; use type = 'force'"
             yield Fault("wall", message, self.wall)
         if hypot(*self.direction) == 0.0:
             yield Fault("direction", "has no length", self.direction)

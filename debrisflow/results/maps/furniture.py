@@ -1,4 +1,4 @@
-"""What makes a picture a map: coordinates on the frame, a scale bar and a north arrow."""
+"""Map elements: coordinates on the frame, a scale bar and a north arrow."""
 
 from __future__ import annotations
 
@@ -153,9 +153,9 @@ def _draw_bar(axes: Axes, west: float, south: float, inch: float) -> None:
         piece.set(facecolor=color, edgecolor=INK, linewidth=0.5)
         axes.add_patch(piece)
     for share in (0.0, 0.5, 1.0):
-        told = f"{share * length:g}" + (" m" if share == 1.0 else "")
+        text = f"{share * length:g}" + (" m" if share == 1.0 else "")
         place = (west + share * length, south + thick + 0.04 * inch)
-        axes.text(*place, told, ha="center", va="bottom", fontsize=6.5, color=INK, zorder=9)
+        axes.text(*place, text, ha="center", va="bottom", fontsize=6.5, color=INK, zorder=9)
 
 
 def _draw_north(axes: Axes, x: float, y: float, inch: float, words: Words) -> None:

@@ -87,6 +87,6 @@ def text_of(run: Run, layers: Layers, layer: Layer, words: Words) -> Text:
     )
     lines = [source, estimator]
     if layer.source:
-        told = layer.source if writable(layer.source) else "-"
-        lines.append(words("Thresholds: {source}", source=told))
+        source = layer.source if writable(layer.source) else "-"
+        lines.append(words("Thresholds: {source}", source=source))
     return Text(words(layer.look.title), subtitle, tuple(lines))

@@ -1,4 +1,4 @@
-"""The picture of a case on a terrain before it runs: what is where."""
+"""The picture of a case on a terrain before it runs."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from debrisflow.results.maps.sheet import outline as edges_of
 from debrisflow.results.maps.structures import structures
 from debrisflow.results.words import Words
 from debrisflow.run.atomic import replaced
-from debrisflow.run.ground_forecast import told_volume
+from debrisflow.run.ground_forecast import format_volume
 
 Floats = NDArray[np.float64]
 DPI = 200
@@ -89,7 +89,7 @@ def _figure(case: ResolvedCase, words: Words) -> Figure:
     terrain = case.terrain.levels
     grid = terrain.grid
     title = case.title if writable(case.title) else "-"
-    text = Text("Terrain and releases", title, (_source(case), *_told(case)))
+    text = Text("Terrain and releases", title, (_source(case), *_release_lines(case)))
     figure, axes, size = figure_of(grid, text)
     levels = draw_relief(axes, terrain)
     handles = [*_draw_zones(axes, case), *_draw_releases(axes, case)]
@@ -118,8 +118,8 @@ def _source(case: ResolvedCase) -> str:
     )
 
 
-def _told(case: ResolvedCase) -> Iterator[str]:
-    """Yield a line a release: what it is, how much and when."""
+def _release_lines(case: ResolvedCase) -> Iterator[str]:
+    """Yield a line for each release: kind, volume and time."""
     for number, part in enumerate(case.release):
         name = _name(part, number)
         start = f" from t = {part.start:g} s" if part.start > 0.0 else ""
@@ -128,7 +128,7 @@ def _told(case: ResolvedCase) -> Iterator[str]:
             how += f" over {length_of(part.line):.3g} m"
         else:
             how = PLACES[part.place]
-        yield f"{name}: {told_volume(volume(part))} m³, {how}{start}."
+        yield f"{name}: {format_volume(volume(part))} m³, {how}{start}."
 
 
 def _name(part: ResolvedRelease, number: int) -> str:
@@ -210,7 +210,7 @@ def _write(axes: Axes, place: tuple[float, ...], name: str) -> None:
 
 
 def probe_places(case: ResolvedCase) -> Iterator[_Place]:
-    """Yield where the probes of a case stand that have a place in plan."""
+    """Yield the places of the probes of a case that have one in plan."""
     origin = np.array(case.terrain.origin[:2])
     for probe in case.probe:
         points = _points_of(probe, case.terrain.width)

@@ -1,4 +1,4 @@
-"""A map sheet: one layer over the relief, with what a reader needs to use it."""
+"""A map sheet: one layer over the relief, with key, scale, north arrow and sources."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def figure_of(grid: MapGrid, text: Text) -> tuple[Figure, Axes, tuple[float, flo
     height = width * ratio
     whole = LEFT + width + RIGHT
     letters = int(whole / LETTERS)
-    lines = [line for told in text.source for line in wrapped(told, letters)]
+    lines = [line for given in text.source for line in wrapped(given, letters)]
     below = BELOW + LINE * len(lines) + 0.08
     tall = ABOVE + height + below
     figure = Figure(figsize=(whole, tall))
@@ -298,8 +298,8 @@ def _draw_signs(figure: Figure, axes: Axes, levels: Contours, released: bool, wo
     """Draw the key of lines below the color bar."""
     left, bottom, width, _ = axes.get_position().bounds
     whole, _ = figure.get_size_inches()
-    told = words("contours each\n{interval} m", interval=f"{levels.interval:g}")
-    handles: list[Artist] = [Line2D([], [], color=CONTOUR, linewidth=0.7, label=told)]
+    label = words("contours each\n{interval} m", interval=f"{levels.interval:g}")
+    handles: list[Artist] = [Line2D([], [], color=CONTOUR, linewidth=0.7, label=label)]
     if released:
         handles.append(Line2D([], [], color=RELEASE, linewidth=1.4, label=words("release")))
     draw_legend(figure, handles, (left + width + 0.1 / whole, bottom), "lower left")

@@ -1,4 +1,4 @@
-"""The map of a report: what a browser draws it from, all inside the page."""
+"""The map of a report: the data from which a browser draws it, embedded in the page."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from debrisflow.particles.record import Kind
 from debrisflow.results.fonts import writable
 from debrisflow.results.frames import Frame, read_frame
 from debrisflow.results.maps.layers import terrain_around
-from debrisflow.results.parameters import told_length
+from debrisflow.results.parameters import format_length
 from debrisflow.results.pictures.coloring import (
     KIND_COLORS,
     KIND_WORDS,
@@ -184,7 +184,7 @@ class Painter:
     def sheet(self, view: Panels, panels: int, dots: int) -> Sheet:
         """Return a page with its heading and the key of the colors."""
         case = self.run.case
-        facts = [f"run {self.run.name}", f"particles of {told_length(case.particles.spacing)}"]
+        facts = [f"run {self.run.name}", f"particles of {format_length(case.particles.spacing)}"]
         if abs(case.gravity.fall) > 1e-9:
             facts.append(f"x falls by {np.degrees(case.gravity.fall):.3g}°")
         facts += [view.remark] if view.remark else []

@@ -19,7 +19,7 @@ from debrisflow.results.plots.maps import deposit_figure, flow_figure, maxima_fi
 from debrisflow.results.plots.probes import curves_to_draw, probe_figure
 from debrisflow.results.plots.style import caption, save, styled
 from debrisflow.results.plots.terrain import terrain_figures
-from debrisflow.results.probe_curves import told_span
+from debrisflow.results.probe_curves import format_span
 from debrisflow.results.references import Distance, Reference
 from debrisflow.results.survey import AnySurvey, Survey
 from debrisflow.results.terrain_survey import TerrainSurvey
@@ -80,7 +80,7 @@ def _figures(
     else:
         figures = _figures_along(found, given, measured)
     if curves := curves_to_draw(found, given):
-        span = told_span(found.smoothing)
+        span = format_span(found.smoothing)
         title = f"Probes: samples, and means over {span}"
         figures["probes"] = (title, probe_figure(curves, given))
     figures["lines"] = ("Probes along lines, over the time", line_figure(found.run))

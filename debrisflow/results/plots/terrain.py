@@ -100,7 +100,7 @@ def _draw_references(axes: Axes, given: Sequence[Reference], name: str) -> None:
 
 
 def path_figure(found: TerrainSurvey) -> Figure | None:
-    """Return the terrain along the flow path and what the flow did there; None without a flow."""
+    """Return terrain, greatest values, arrival and width along the path; None without a flow."""
     table = found.profile
     if not found.reached.any():
         return None
@@ -130,7 +130,7 @@ def _shown(found: TerrainSurvey) -> float:
 
 
 def ledger_figure(found: TerrainSurvey) -> Figure | None:
-    """Return the volumes by where they are, one upon the other; None if nothing was released."""
+    """Return the parts of the released volume against time, stacked; None if there is none."""
     table, volume = found.run.ledger, particle_volume(found.run.case)
     if not table["released"].any():
         return None
@@ -262,7 +262,7 @@ def _compared_fronts(
 
 
 def _compared_paths(found: Sequence[TerrainSurvey], names: Sequence[str]) -> Figure:
-    """Return what the flows did along their paths."""
+    """Return terrain and greatest values of runs along their paths."""
     figure, axes = panels(len(PATH_LABELS), height=1.8, sharex=True)
     for one, style in zip(found, _styles(names), strict=True):
         table = one.profile

@@ -236,7 +236,7 @@
   }
 
   const titled = ({ title, unit }) => (unit ? `${title}, ${unit}` : title);
-  const told = (value) => String(Number(value.toPrecision(3)));
+  const shortened = (value) => String(Number(value.toPrecision(3)));
 
   function drawKey() {
     const box = element("key");
@@ -264,7 +264,7 @@
   function valueAt(layer, cell) {
     const value = layer.values.at(cell);
     if (Number.isNaN(value)) return words.no_value;
-    return layer.names[Math.round(value) - 1] || `${told(value)} ${layer.unit}`;
+    return layer.names[Math.round(value) - 1] || `${shortened(value)} ${layer.unit}`;
   }
 
   function placeAt([x, y]) {
@@ -437,10 +437,10 @@
     const small = { "font-size": 11, fill: INK };
     add("text", { ...small, x: left, y: 13 }, titled({ title, unit }));
     for (const value of [low, high]) {
-      add("text", { ...small, x: left - 4, y: y(value) + 4, "text-anchor": "end" }, told(value));
+      add("text", { ...small, x: left - 4, y: y(value) + 4, "text-anchor": "end" }, shortened(value));
     }
     for (const value of [first, last]) {
-      add("text", { ...small, x: x(value), y: height - 14, "text-anchor": "middle" }, told(value));
+      add("text", { ...small, x: x(value), y: height - 14, "text-anchor": "middle" }, shortened(value));
     }
     add("text", { ...small, x: (left + width) / 2, y: height - 4, "text-anchor": "middle" },
       `${words.time}, s`);

@@ -101,7 +101,7 @@ class BandPressure(Sampler):
 def _areas(faces: Floats, ends: Floats, direction: Floats) -> Floats:
     """Return the area that faces between levels show along a direction, (n,) array, m2.
 
-    Half of that of all, since a body shows as much in front as behind.
+    Half of the sum over all faces, since front and back have the same projected area.
 
     Examples
     --------

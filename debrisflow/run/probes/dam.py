@@ -1,4 +1,4 @@
-"""The sampler of what a dam holds back, and what flows over it."""
+"""The sampler of the volume that a dam holds back and of the flow over it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 class Dam(Sampler):
     """Volume that a dam holds back, and what has come over it.
 
-    Held back is what lies upstream of the middle of the dam, within its length across the given
+    The volume held back is upstream of the middle of the dam, within its length across the given
     direction, below the level of its crest.  What comes over it crosses the upright plane through
     its middle, across the direction, within that length; particles are counted at every step.
 

@@ -1,4 +1,4 @@
-"""The pore pressure that belongs to the matter: what it leaves to the grains, and its decay."""
+"""The pore pressure of the material: the load that is left to the grains, and its decay."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from debrisflow.schemes.terms.term import Step, Term
 
 
 class PorePressure(Term):
-    """The decay of the pore pressure of what flows, ``lambda(t) = lambda(0) exp(-t / T)``.
+    """The decay of the pore pressure of fluid particles, ``lambda(t) = lambda(0) exp(-t / T)``.
 
     After the motion, so that a step that fails leaves it as it was; not while fills settle.
     """
@@ -25,9 +25,9 @@ class PorePressure(Term):
 
 
 def borne_by_grains(particles: Particles, rows: slice | None = None) -> NDArray[np.float64] | None:
-    """Return the share 1 - lambda of what presses on particles that their grains bear.
+    """Return the share 1 - lambda of the load on particles that their grains bear.
 
-    None where all is borne by grains.  Of the fluid particles, or of the given rows.
+    For the fluid particles or the given rows; None if the grains bear the whole load.
     """
     if len(particles.pore_pressure) == 0:
         return None
