@@ -313,6 +313,8 @@ def _advance_by_walls(
         x, y, z, sx, sy, sz = wall_forces_at(i, fluid, near, solid, numbers)
         per = 1.0 / density_of(i, fluid.density, numbers)
         before_u, before_v, before_w = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+        if near.fluid_count[i] == 0 and x * before_u + y * before_v + z * before_w > 0.0:
+            x, y, z = 0.0, 0.0, 0.0  # a wall does not throw back what falls on it alone
         u = before_u + dt * per * (x + sx)
         v = before_v + dt * per * (y + sy)
         w = before_w + dt * per * (z + sz)

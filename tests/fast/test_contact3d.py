@@ -20,6 +20,7 @@ from debrisflow.physics.operators import velocity_gradient_at, velocity_gradient
 from debrisflow.schemes.surfaces import walls_of
 from tests.building import (
     acceleration_at,
+    advance,
     boxes_from,
     felt,
     fluid_of,
@@ -367,3 +368,18 @@ def test_what_is_too_near_to_a_wall_and_approaches_it_is_counted(dimension, touc
     scheme.step(state, 1e-6)
     assert state.particle_steps == p.fluid_count
     assert state.bounces == (np.count_nonzero(lowest) if 0.5 + shift < touch else 0)
+
+
+def test_a_floor_does_not_throw_back_what_falls_on_it_alone():
+    box = {"x": (0.4, 0.5), "y": (0.3, 0.4), "z": (0.6, 0.7)}
+    case = tank3d_case(
+        fill=[{"type": "block", "material": "water"} | box],
+        scheme={"type": "explicit", "sound_speed": 30.0, "jitter": 0.0},
+    )
+    scheme, state = started(case)
+    advance(scheme, state, until=0.4)  # it falls for a third of a second
+    heights = []
+    while state.time < 1.0:
+        advance(scheme, state, steps=1)
+        heights.append(float(state.particles.position[0, 2]))
+    assert 0.02 < min(heights) < max(heights) < 0.2
