@@ -52,6 +52,8 @@ CAPTIONS = {
     "hydrostatic2d": "The water stays at rest; colors show the pressure.",
     "hydrostatic_two_phase2d": "The heavy layer (red) stays below the water; colors show the kind.",
     "marin3d": "Levels in the tank, and pressures on the face of the box upward from the floor.",
+    "mt_st_helens2021": "Cells that the flow reaches by more than 0.3 m, and those in which the "
+    "ground has changed by more than that.",
     "poiseuille2d": "The flow starts from rest; colors show the speed.",
     "runout3d": "Plan of three flows at 4 s: with collision stress, and without it with "
     "viscosities of 1e-3 and 1e-6 m²/s.",

@@ -1,9 +1,9 @@
 """Draw what runs in three dimensions, made now, do beside experiments.
 
-python scripts/draw_validation.py marin|fronts|heap|flume|slab FILE.png
+python scripts/draw_validation.py marin|fronts|heap|flume|slab|st_helens FILE.png
 
 ``flume`` takes half an hour, ``marin`` about ten minutes, ``heap`` about eight, ``fronts`` and
-``slab`` about five.
+``slab`` about five, ``st_helens`` an hour.
 """
 
 from __future__ import annotations
@@ -17,7 +17,15 @@ import matplotlib as mpl
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from debrisflow.results.references import read_reference
-from tests.validation import dam_break, dam_break3d, heap3d, spheric, usgs_flume, voellmy_slab
+from tests.validation import (
+    dam_break,
+    dam_break3d,
+    heap3d,
+    spheric,
+    st_helens,
+    usgs_flume,
+    voellmy_slab,
+)
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
@@ -121,8 +129,29 @@ def draw_slab(runs: dict[int, voellmy_slab.Runout], file: Path) -> None:
     figure.savefig(file, dpi=80)
 
 
+def draw_st_helens(runs: dict[float, st_helens.Runout], file: Path) -> None:
+    """Draw the run-out of the landslide over the rows of particles in its depth."""
+    figure, axes = plt.subplots(figsize=(5, 3.6), layout="constrained")
+    rows = [st_helens.DEPTH / spacing for spacing in runs]
+    scores = [run.score for run in runs.values()]
+    observed = scores[0]["reach_observed"]
+    axes.fill_between(rows, 0.9 * observed, 1.1 * observed, color="0.9", label="observed ± 10 %")
+    axes.plot(rows, [s["reach_simulated"] for s in scores], "o-", color=COLORS[1], label="computed")
+    axes.set(xscale="log", xlabel="rows of particles over a flow of 4 m", ylim=(0.0, None))
+    axes.set_ylabel("run-out in a straight line (m)")
+    axes.set(
+        xticks=rows,
+        xticklabels=[f"{row:.2g}\n(d0 = {d0:g} m)" for d0, row in zip(runs, rows, strict=True)],
+    )
+    axes.minorticks_off()
+    axes.legend(fontsize=8, loc="lower right")
+    figure.savefig(file, dpi=80)
+
+
 @click.command()
-@click.argument("what", type=click.Choice(["marin", "fronts", "heap", "flume", "slab"]))
+@click.argument(
+    "what", type=click.Choice(["marin", "fronts", "heap", "flume", "slab", "st_helens"])
+)
 @click.argument("file", type=click.Path(path_type=Path))
 def main(what: str, file: Path) -> None:
     """Draw WHAT into FILE."""
@@ -135,6 +164,9 @@ def main(what: str, file: Path) -> None:
         draw_flume({d0: usgs_flume.depths(change) for d0, change in changes.items()}, file)
     elif what == "slab":
         draw_slab({rows: voellmy_slab.run(rows) for rows in voellmy_slab.ROWS}, file)
+    elif what == "st_helens":
+        changes = {d0: st_helens.of_spacing(d0) for d0 in st_helens.SPACINGS}
+        draw_st_helens({d0: st_helens.run(change) for d0, change in changes.items()}, file)
     else:
         draw_fronts(
             {

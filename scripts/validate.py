@@ -5,8 +5,8 @@ python scripts/validate.py [still] [viscous] [dam_break] [shear] [settling] [col
                            [film3d] [deposit3d] [dams] [ground3d] [st_helens] [impact] [jet]
                            [moving] [usgs] [slab]
 
-``fine_flume`` and ``usgs`` take about an hour, ``marin`` and ``heap`` half an hour, ``collapse``
-and ``flume`` about ten minutes, the others five or less each.
+``fine_flume``, ``usgs`` and ``st_helens`` take about an hour, ``marin`` and ``heap`` half an hour,
+``collapse`` and ``flume`` about ten minutes, the others five or less each.
 """
 
 from __future__ import annotations

@@ -193,19 +193,27 @@ def print_ground3d() -> None:
 
 
 def print_st_helens() -> None:
-    """Print the run-out of the landslide near Mount St. Helens."""
-    changed = np.abs(st_helens.observed()) > st_helens.COUNTS
-    found = st_helens.run()
-    reached = found.reached > st_helens.COUNTS
-    click.echo(
-        f"St. Helens, d0 = 2 m: {found.volume:.0f} m3, {found.lost} lost, {found.inside} in the "
-        f"ground, nearest {found.nearest:.2f} d0; mean speed at 8, 40, 80, 120 s "
-        f"{np.interp([8, 40, 80, 120], found.times, found.speed).round(3).tolist()} m/s, "
-        f"{found.moving:.0%} faster than 1 cm/s at the end; farthest {found.farthest.max():.0f} m "
-        f"(observed {st_helens.observed_distance():.0f}); {reached.sum()} cells reached, of "
-        f"{changed.sum()} changed ones {(reached & changed).sum()}; greatest deposit "
-        f"{found.deposit.max():.1f} m"
-    )
+    """Print how well the landslide near Mount St. Helens is reproduced: blind, then fitted."""
+    runs = {"blind, d0 = 2 m": st_helens.BLIND}
+    runs |= {f"d0 = {d0:g} m": st_helens.of_spacing(d0) for d0 in st_helens.SPACINGS}
+    for title, changes in runs.items():
+        found = st_helens.run(changes)
+        score, end = found.score, found.summary
+        cells = [int(score[name]) for name in ("hits", "misses", "false_alarms")]
+        risen, still = score["deposit_volume_observed"], score["deposit_volume_simulated"]
+        click.echo(
+            f"St. Helens, {title}: CSI {score['csi']:.3f}; hits, misses, false alarms {cells}; "
+            f"run-out {score['runout_error']:+.1f} % along the path, "
+            f"{score['reach_simulated']:.0f} m straight ({score['reach_error']:+.1f} %); of "
+            f"{risen:.0f} m3 that rose "
+            f"{found.thick:.0f} deeper than 0.3 m, {still:.0f} of it at rest"
+        )
+        click.echo(
+            f"  {end['end_reason']} at {end['time']:.0f} s, {end['particles']} particles, "
+            f"{end['steps']} steps, {end['wall_seconds']:.0f} s; ledger "
+            f"{'kept' if found.is_balanced else 'broken'}, nearest to the ground "
+            f"{found.nearest:.2f} d0"
+        )
 
 
 def print_usgs() -> None:
