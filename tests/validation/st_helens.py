@@ -32,7 +32,7 @@ BLIND = (
     "walls.floor.friction.coefficient=0.155",
     "walls.floor.friction.turbulence=200",
 )
-"""Voellmy coefficients that another program, DebrisFrame, has for debris flows by default."""
+"""Coefficients of Voellmy's law that DebrisFrame has for debris flows by default."""
 SPACINGS = 4.0, 2.0, 1.4, 1.0  # m
 DEPTH = 4.0  # m, of the flow, by which rows of particles are counted
 
