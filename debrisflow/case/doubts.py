@@ -16,7 +16,7 @@ from debrisflow.case.built import LARGEST_MISFIT, enough
 from debrisflow.case.defaults import LARGEST_PATH, phases
 from debrisflow.case.motion import Motion
 from debrisflow.case.polygons import share_without_rows
-from debrisflow.case.released import area, entering_depth, volume
+from debrisflow.case.released import area, entering_depth, length_of, share_below, volume
 from debrisflow.case.resolved import (
     ResolvedCase,
     ResolvedHydrographRelease,
@@ -24,6 +24,7 @@ from debrisflow.case.resolved import (
     ResolvedTerrain,
 )
 from debrisflow.case.tables import Block, Scheme
+from debrisflow.case.terrain_built import CELL_SPACINGS
 
 EARTH = 9.81  # m/s2
 STEEP = 45.0  # degrees, steeper than any debris flow on record
@@ -32,6 +33,7 @@ ROCKS = 1500.0, 5000.0  # kg/m3
 GREATEST_GRAIN = 1.0  # spacings
 FEWEST_ROWS = 2  # of particles over a depth
 MOST_WITHOUT_ROWS = 0.25  # of the sides of a polygon; a sharp wedge has some at its tips
+MOST_THIN = 0.5  # of the time of a hydrograph, in which it is less than a row deep
 SHORTENED = 0.1  # of the greatest time step, by a wall that moves
 
 
@@ -193,6 +195,34 @@ def _steep_ground(case: ResolvedCase) -> Iterator[str]:
         )
 
 
+def _fine_ground(case: ResolvedCase) -> Iterator[str]:
+    if not isinstance(case.geometry, ResolvedTerrain):
+        return
+    cell, least = case.geometry.cell, CELL_SPACINGS * case.particles.spacing
+    if cell < least * (1.0 - 1e-6):
+        yield (
+            f"geometry.cell = {cell:g} m: less than {CELL_SPACINGS:g} spacings, {least:g} m; the "
+            "flow sees bumps of its ground that its particles do not resolve, as if it were "
+            "rougher than it is; leave geometry.cell out, or take a smaller particles.spacing"
+        )
+
+
+def _thin_supply(case: ResolvedCase) -> Iterator[str]:
+    spacing = case.particles.spacing
+    for number, part in enumerate(case.release):
+        if not isinstance(part, ResolvedHydrographRelease) or entering_depth(part) < spacing:
+            continue  # of that one row is told
+        one_row = spacing * part.velocity * length_of(part.line)
+        thin, flows = share_below(part, one_row, case.time.end), f"{one_row:.3g} m3/s"
+        if thin > MOST_THIN:
+            yield (
+                f"release.{part.name or number}: for {thin:.0%} of the time in which it flows its "
+                f"discharge is below {flows}, a row of particles over the line: they enter in "
+                "single rows with gaps between them; with a smaller velocity, a shorter line or a "
+                "smaller particles.spacing the flow is deeper than a row"
+            )
+
+
 def _bare_ground(case: ResolvedCase) -> Iterator[str]:
     floor = case.walls.floor
     if isinstance(case.geometry, ResolvedTerrain) and floor.friction is None:
@@ -214,5 +244,7 @@ DOUBTS = (
     _fast_walls,
     _thin_parts,
     _steep_ground,
+    _fine_ground,
+    _thin_supply,
     _bare_ground,
 )

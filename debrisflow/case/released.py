@@ -23,6 +23,7 @@ from debrisflow.case.vectors import read_polygons
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+SAMPLES = 1000  # of a hydrograph, by which times are measured
 DOWN_STEPS = 2.0  # cells to both sides of a line at which the levels tell what is down
 
 
@@ -159,6 +160,33 @@ def volume_until(release: HydrographRelease, time: float) -> float:
     times, discharge = np.array(graph.time), np.array(graph.discharge)
     ends = np.append(times[times < now], min(max(now, times[0]), times[-1]))
     return float(np.trapezoid(np.interp(ends, times, discharge), ends))
+
+
+def share_below(release: HydrographRelease, least: float, end: float) -> float:
+    """Return for which share of the time in which a hydrograph flows it is below a discharge.
+
+    Parameters
+    ----------
+    release : HydrographRelease
+    least : float, m3/s
+    end : float, s
+        What comes later does not count.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace as Table
+    >>> graph = Table(time=(0.0, 10.0, 20.0), discharge=(0.0, 4.0, 0.0))
+    >>> share_below(Table(start=0.0, hydrograph=graph), 1.0, 100.0)
+    0.25
+    """
+    graph = release.hydrograph
+    if isinstance(graph, str):
+        raise TypeError("the hydrograph is not read")
+    last = min(graph.time[-1], end - release.start)
+    middles = graph.time[0] + (np.arange(SAMPLES) + 0.5) / SAMPLES * (last - graph.time[0])
+    discharge = np.interp(middles, graph.time, graph.discharge)
+    flows = discharge > 0.0
+    return float(np.mean(discharge[flows] < least)) if last > 0.0 and flows.any() else 0.0
 
 
 def entering_depth(release: HydrographRelease) -> float:

@@ -337,6 +337,23 @@ class TestForecast:
         case = build([RELEASE | {"name": "scar"}, entering])
         assert rows_over_depths(case) == {"release.scar": 2, "release.1": 5}
 
+    def test_a_flow_of_less_than_a_row_for_most_of_its_time_is_told(self, build: Build) -> None:
+        # a row is 1 m over 20 m at 2 m/s: 40 m3/s
+        long = {"time": [0.0, 10.0, 300.0], "discharge": [0.0, 79.0, 0.0]}
+        flow = {"type": "hydrograph", "name": "flood", "line": LINE, "velocity": 2.0}
+        flow["hydrograph"] = GRAPH | {"discharge": [0.0, 80.0, 80.0]}
+        assert doubts(build(flow)) == []
+        flow["hydrograph"] = long | {"concentration": [0.3] * 3}
+        assert doubts(build(flow)) == []  # in the first minute
+        [thin] = doubts(build(flow, time={"end": 400.0}))
+        assert thin.startswith("release.flood: for 51% of the time in which it flows its discharge")
+
+    def test_a_surface_finer_than_three_spacings_is_told(self, build: Build) -> None:
+        assert doubts(build(geometry={"cell": 5.0})) == []
+        deep, coarse = RELEASE | {"depth": 5.0}, {"spacing": 2.0}
+        [fine] = doubts(build(deep, geometry={"cell": 5.0}, particles=coarse))
+        assert fine.startswith("geometry.cell = 5 m: less than 3 spacings, 6 m")
+
     def test_doubts(self, build: Build, tmp_path: Path) -> None:
         assert doubts(build()) == []
         late = doubts(build(RELEASE | {"start": 60.0, "depth": 1.0}))
