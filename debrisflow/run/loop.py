@@ -280,18 +280,20 @@ class _Run:
                 self._write_history(iterations)
             if self.deposits.is_due(time):
                 self._write_deposit()
-            if self.recorder and self.depths and self.depths.is_due(time):
-                self.results.write_depth(time, self.recorder.depth(self.state.particles))
+            if self.depths and self.depths.is_due(time):
+                self._write_depth()
             if self.frames.is_due(time):
                 self.results.write_frame(self.state)
                 self._checkpoint_is_due = True
 
     def _write_last(self) -> None:
-        """Write deposit and frame of a run that ends before its time, unless they are there."""
+        """Write deposit, depth and frame of a run that ends early, unless they are there."""
         time = self.state.time
         with self.clock.of(WRITING):
             if not self.deposits.is_due(time):
                 self._write_deposit()
+            if self.depths and not self.depths.is_due(time):
+                self._write_depth()
             if not self.frames.is_due(time):
                 self.results.write_frame(self.state)
 
@@ -309,6 +311,11 @@ class _Run:
         self.results.write_history(row)
         self._is_at_rest = self.rule.is_met(state, row["kinetic_energy"])
         self._set_threads()
+
+    def _write_depth(self) -> None:
+        if self.recorder is not None:
+            depth = self.recorder.depth(self.state.particles)
+            self.results.write_depth(self.state.time, depth)
 
     def _write_deposit(self) -> None:
         p = self.state.particles

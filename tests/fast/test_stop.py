@@ -8,13 +8,16 @@ import pytest
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
+from debrisflow.case.rasters import read_raster
 from debrisflow.particles.start import initial_state
 from debrisflow.results import open_run
 from debrisflow.run import loop
 from debrisflow.run.stop import StopRule, last_schedule
+from debrisflow.run.tables import read_table
 from tests.building import tank_case
 from tests.fast.test_pore_pressure import slab
 from tests.recording import channel3d_case
+from tests.terrain_recording import sloping_case
 
 
 def pushed(**time):
@@ -113,5 +116,28 @@ def test_with_a_lower_share_it_goes_on(rested, tmp_path):
     assert json.loads((folder / "summary.json").read_text())["energy_share"] < 0.05
     whole = loop.simulate(pushed(stop_energy=1e-9), tmp_path / "whole")
     assert longer["time"] == whole["time"]
-    histories = [run / "history.csv" for run in (folder, tmp_path / "whole")]
-    assert histories[0].read_bytes() == histories[1].read_bytes()
+    # the frame and the deposit of the first end, off their schedules, are gone
+    for name in ("history.csv", "deposit.csv", "particles.pvd"):
+        tables = [run / name for run in (folder, tmp_path / "whole")]
+        assert tables[0].read_bytes() == tables[1].read_bytes()
+    frames = [
+        sorted(file.name for file in run.glob("vtu/*")) for run in (folder, tmp_path / "whole")
+    ]
+    assert frames[0] == frames[1]
+
+
+def test_on_a_terrain_the_last_depth_is_kept_too(tmp_path):
+    friction = {"floor": {"friction": {"law": "coulomb", "angle": 45.0}}}
+    output = {"interval": 10.0, "layer_interval": 10.0, "history_interval": 0.1}
+    case = sloping_case(
+        tmp_path, walls=friction, output=output, time={"end": 10.0, "stop_energy": 0.5}
+    )
+    figures = loop.simulate(case, tmp_path / "run")
+    assert figures["end_reason"] == "at rest"
+    times = read_table(tmp_path / "run" / "layers" / "depth.csv")["time"]
+    assert times.tolist() == [0.0, figures["time"]]
+    layers = [
+        read_raster(tmp_path / "run" / "layers" / f"{name}.tif").values
+        for name in ("depth_000001", "final_depth")
+    ]
+    np.testing.assert_array_equal(*layers)
