@@ -165,7 +165,9 @@ def test_missing_layers_are_told(tmp_path: Path) -> None:
         layer_names(tmp_path)
     run = run_with(tmp_path / "run", peak_depth=DEPTH, peak_speed=SPEED)
     assert layer_names(run) == ["peak_depth", "peak_speed"]
-    with pytest.raises(OutputError, match="no layer 'peak_pressure'; it has peak_depth, peak_speed"):
+    with pytest.raises(
+        OutputError, match="no layer 'peak_pressure'; it has peak_depth, peak_speed"
+    ):
         read_layer(run, "peak_pressure")
     (run / "layers" / "peak_depth.tif").write_bytes(b"II*\0nothing")
     with pytest.raises(OutputError, match=r"peak_depth\.tif cannot be read as a raster"):
