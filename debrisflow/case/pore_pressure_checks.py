@@ -1,4 +1,4 @@
-"""Checks of the pore pressure that belongs to the matter."""
+"""Checks of the pore pressure of fills."""
 
 from __future__ import annotations
 

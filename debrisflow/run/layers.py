@@ -43,15 +43,15 @@ class Layer(NamedTuple):
 
 
 LAYERS = {
-    "peak_depth": Layer("m", "greatest depth, volume over area, along the vertical"),
-    "peak_speed": Layer("m/s", "greatest speed, of the momentum over the mass of a cell"),
+    "peak_depth": Layer("m", "greatest depth, measured vertically: volume over area of the cell"),
+    "peak_speed": Layer("m/s", "greatest speed: momentum over mass of the cell"),
     "peak_momentum_flux": Layer("m3/s2", "greatest product of depth and speed squared"),
     "peak_pressure": Layer("kPa", "greatest product of density and speed squared"),
     "arrival": Layer("s", "first time at which the depth exceeds the threshold"),
     "duration": Layer("s", "time during which the depth exceeds the threshold"),
-    "deposit": Layer("m", "depth at the end of what is slower than output.rest_speed"),
+    "deposit": Layer("m", "depth at the end, of particles slower than output.rest_speed only"),
     "final_depth": Layer("m", "depth at the end"),
-    "release": Layer("m", "depth of all masses that are released, also later than at the start"),
+    "release": Layer("m", "depth of all released masses, without hydrographs"),
     "terrain": Layer("m", "elevation of the terrain as given"),
 }
 WHILE_DEEP = ("peak_speed", "peak_momentum_flux", "peak_pressure", "arrival", "duration")
