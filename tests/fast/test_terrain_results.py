@@ -40,21 +40,21 @@ def figures(found):
 
 
 class TestAnswers:
-    """The foremost particles, at x = 59.5 m, are spread up to 62 m: into the cell from 60 to 65."""
+    """The foremost particles, at x = 59.5 m, are spread up to 60.5 m: the next cell has 0.05 m."""
 
     def test_run_out_along_the_path_and_straight(self, found):
         told = figures(found)
         assert found.path.coords[0] == pytest.approx(MIDDLE)
-        assert told["runout_length"].value == pytest.approx(62.5 - 15.0, abs=0.5)
-        assert told["reach"].value == pytest.approx(np.hypot(62.5 - 15.0, 2.5))
-        assert f"({WEST + 62.5:.1f}, " in told["runout_length"].meaning
+        assert told["runout_length"].value == pytest.approx(57.5 - 15.0, abs=0.5)
+        assert told["reach"].value == pytest.approx(np.hypot(57.5 - 15.0, 2.5))
+        assert f"({WEST + 57.5:.1f}, " in told["runout_length"].meaning
 
     def test_fall_and_travel_from_the_highest_released_cell(self, found):
         """It is one of two at x = 12.5 m; the farthest cell is in the row of the other."""
         told = figures(found)
-        assert told["travel_distance"].value == pytest.approx(np.hypot(62.5 - 12.5, 5.0))
-        assert told["fall_height"].value == pytest.approx(FALL * (62.5 - 12.5))
-        slope = FALL * 50.0 / np.hypot(50.0, 5.0)
+        assert told["travel_distance"].value == pytest.approx(np.hypot(57.5 - 12.5, 5.0))
+        assert told["fall_height"].value == pytest.approx(FALL * (57.5 - 12.5))
+        slope = FALL * 45.0 / np.hypot(45.0, 5.0)
         assert told["equivalent_friction"].value == pytest.approx(slope)
         assert told["travel_angle"].value == pytest.approx(np.degrees(np.arctan(slope)))
 
@@ -69,15 +69,15 @@ class TestAnswers:
         assert told["moving_share_end"].value == 0.0
 
     def test_the_area_is_that_of_the_cells_ever_reached(self, found):
-        # x from 5 to 65 m, y from 10 to 30 m, without the corners, where 0.6² m3 make 0.014 m
-        area = (12 * 4 - 4) * CELL**2
+        # x from 10 to 60 m, y from 15 to 25 m; the cells beside have 0.05 m, which does not count
+        area = 10 * 2 * CELL**2
         assert figures(found)["affected_area"].value == found.fronts["area"][-1] == area
-        assert found.fronts["area"][0] == (4 * 4 - 4) * CELL**2
+        assert found.fronts["area"][0] == 2 * 2 * CELL**2
 
     def test_greatest_values_have_their_places(self, found):
         told = figures(found)
-        # of five rows in a cell and those beside it 4.4 are in it, along x and along y
-        assert told["depth_greatest"].value == pytest.approx((4.4 / 5.0) ** 2, rel=1e-3)
+        # of the outermost row of five a quarter is beside the cell, along x and along y
+        assert told["depth_greatest"].value == pytest.approx((4.75 / 5.0) ** 2, rel=1e-3)
         assert told["speed_greatest"].value == pytest.approx(5.0)
         density = 0.4 * 2650.0 + 0.6 * 1000.0
         assert told["pressure_greatest"].value == pytest.approx(density * 25.0 / 1000.0)
@@ -118,9 +118,9 @@ def test_the_flow_along_its_path(found):
     s, wet = table["s"], table["width"] > 0.0
     assert np.diff(s[:-1]) == pytest.approx(CELL)
     assert table["elevation"][:5] == pytest.approx(100.0 - FALL * (table["east"] - WEST)[:5])
-    assert s[wet].max() == pytest.approx(62.5 - 15.0, abs=CELL)
-    assert table["width"][2:6] == pytest.approx(20.0, abs=CELL)
-    assert table["width"].max() <= 25.0  # what is released above the start is not beside it
+    assert s[wet].max() == pytest.approx(57.5 - 15.0, abs=CELL)
+    assert table["width"][2:6] == pytest.approx(10.0, abs=0.1 * CELL)
+    assert table["width"].max() <= 15.0  # what is released above the start is not beside it
     assert np.all(np.diff(table["arrival"][wet]) >= 0.0)
     assert table["arrival"][wet][-1] == pytest.approx(8.0)
     assert np.isnan(table["peak_depth"][~wet]).all()
@@ -132,7 +132,7 @@ def test_the_front_in_time(found):
     known = ~np.isnan(table["moving_front"])
     assert known.sum() == 8  # at rest nothing moves
     assert np.all(np.diff(table["front"]) >= 0.0)
-    assert table["front"][0] == pytest.approx(22.5 - 15.0, abs=0.5)
+    assert table["front"][0] == pytest.approx(17.5 - 15.0, abs=0.5)
     apart = table["reach"] - table["moving_front"]
     assert np.all(np.abs(apart[known]) < 1.5 * CELL)
 
@@ -143,7 +143,7 @@ def test_tables_and_plots_are_written(found):
     assert names >= {"answers.csv", "front.csv", "path.csv", "budget.csv", "probes.csv"}
     assert names >= {"front.png", "path.png", "ledger.png", "budget.png", "probes.png"}
     assert "profiles.csv" not in names
-    assert any(line.startswith("runout_length = 47") for line in told)
+    assert any(line.startswith("runout_length = 42") for line in told)
     assert not any(line.startswith("section") for line in told)
     with (found.run.folder / "postprocess/answers.csv").open() as file:
         rows = list(csv.reader(line for line in file if not line.startswith("#")))
@@ -233,7 +233,7 @@ class TestCommands:
         told = CliRunner().invoke(main, together)
         assert told.exit_code == 0, told.output
         row = re.search(r"runout_length, m +([\d.]+) +([\d.]+)", told.output)
-        assert float(row[1]) - float(row[2]) == pytest.approx(62.5 - 42.5, abs=1.0)
+        assert float(row[1]) - float(row[2]) == pytest.approx(57.5 - 42.5, abs=1.0)
         assert (tmp_path / "both/curves.png").is_file()
         assert (tmp_path / "both/path.png").is_file()
 
