@@ -114,8 +114,13 @@ def _on_ground(
         level = level - depth * np.sqrt(1.0 + along**2 + aside**2)
         buried &= pieces[:, :, first + 2] <= level
         lifted[:, :, first + 2] = np.maximum(pieces[:, :, first + 2], level)
-    is_met, area = ~np.all(buried, axis=1), area_vectors(lifted[:, :, :3])
-    size = np.where(is_met, np.linalg.norm(area, axis=1), np.abs(area[:, 2]))
+    area = area_vectors(lifted[:, :, :3])
+    # where the ground rises along a side a lifted piece may turn over: it takes away in the sums
+    # what another one has too much, and is no face
+    is_turned = np.sum(area * area_vectors(pieces[:, :, :3]), axis=1) < 0.0
+    is_buried = np.all(buried, axis=1)
+    is_met = ~is_buried & ~is_turned
+    size = np.where(is_buried, np.abs(area[:, 2]), np.linalg.norm(area, axis=1))
     kept = size > LEAST_AREA * d0**2
     return lifted[kept], is_met[kept]
 

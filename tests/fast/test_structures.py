@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from debrisflow.results.reader import Run
 from debrisflow.run.loop import simulate
 from debrisflow.schemes.surfaces import elements_from
 from debrisflow.space import mesh_pieces
+from debrisflow.space.domain import WALL_NAMES
 from debrisflow.space.ground import ground_of
 from debrisflow.space.mesh_pieces import (
     area_vectors,
@@ -28,6 +31,8 @@ from tests.validation.backwater import (
     backwater_case,
     normal_of,
 )
+
+CASES = Path(__file__).parents[2] / "cases"
 
 TURN, END = 20.0, 2.0
 X, Y = GRID.west + DAM[0], GRID.south + DAM[1]
@@ -187,3 +192,21 @@ def test_what_comes_over_a_dam_is_counted_from_the_first(tmp_path):
     assert 0.0 < found["overtopping_time"] < 2.5
     assert 5.0 < found["overtopped_volume"] < 400.0
     assert 300.0 < found["trapped_volume"] < 1177.0 - found["overtopped_volume"]
+
+
+def test_no_face_of_a_dam_looks_into_it_where_the_ground_rises_along_its_side():
+    case = load_case(CASES / "channelled_fan.toml")
+    pieces, number, is_face = pieces_of(case, PULLED_BACK)
+    for wall, box in enumerate(case.obstacle, start=len(WALL_NAMES)):
+        own = pieces[(number == wall) & is_face][:, :, :3]
+        middle = np.mean([box.x, box.y, box.z], axis=1)
+        angle = np.radians(box.turn)
+        along = np.array([np.cos(angle), np.sin(angle), 0.0])
+        across = np.array([-np.sin(angle), np.cos(angle), 0.0])
+        axes = np.array([along, across, [0.0, 0.0, 1.0]])
+        normal = area_vectors(own) @ axes.T
+        off = (own.mean(axis=1) - middle) @ axes.T
+        side = np.argmax(np.abs(normal), axis=1)
+        rows = np.arange(len(own))
+        assert len(own) > 100
+        assert np.all(normal[rows, side] * off[rows, side] > 0.0)
