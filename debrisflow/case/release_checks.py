@@ -23,7 +23,6 @@ from debrisflow.case.released import (
     length_of,
     outline,
     volume,
-    volume_until,
 )
 from debrisflow.case.releases import (
     AnyRelease,
@@ -34,7 +33,7 @@ from debrisflow.case.releases import (
 )
 from debrisflow.case.resolved import ResolvedTerrain
 from debrisflow.case.shapes import Geometry
-from debrisflow.case.tables import Particles, Time
+from debrisflow.case.tables import Particles
 from debrisflow.case.terrain_checks import file_name
 from debrisflow.case.words import format_extent
 
@@ -166,13 +165,8 @@ def _distance_to_gap(shape: shapely.Geometry, levels: Raster) -> float | None:
     return least if least < CELLS_TO_NODATA else None
 
 
-def releases_sized(
-    geometry: Geometry, release: Releases, particles: Particles, time: Time
-) -> Problems:
-    """Check that depths are not elevations, and that a release has enough particles.
-
-    Of a hydrograph the volume until the end of the run counts.
-    """
+def releases_sized(geometry: Geometry, release: Releases, particles: Particles) -> Problems:
+    """Check that depths are not elevations, and that a release has enough particles."""
     if not isinstance(geometry, ResolvedTerrain):
         return
     for k, part in enumerate(release):
@@ -193,16 +187,12 @@ def releases_sized(
             value = getattr(part, key.rpartition(".")[2])
             yield Problem(key, message, file_name(value) if isinstance(value, str) else value)
             continue
-        comes, until = volume(part), ""
-        if isinstance(part, HydrographRelease) and part.start < time.end:
-            comes = volume_until(part, time.end)
-            until = f" until time.end = {time.end:g} s" if comes < volume(part) else ""
-        count = comes / particles.spacing**3
+        count = volume(part) / particles.spacing**3
         if count < FEWEST_PARTICLES:
             message = (
-                f"too small: {comes:.3g} m3{until} make {count:.0f} particles, which must be at "
+                f"too small: {volume(part):.3g} m3 make {count:.0f} particles, which must be at "
                 f"least {FEWEST_PARTICLES}; particles.spacing = "
-                f"{(comes / FEWEST_PARTICLES) ** (1 / 3):.2g} would do"
+                f"{(volume(part) / FEWEST_PARTICLES) ** (1 / 3):.2g} would do"
             )
             yield Problem(f"release.{k}", message)
 

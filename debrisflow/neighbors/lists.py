@@ -400,7 +400,7 @@ class FixedNeighbors:
         self._crowd = np.empty(self._cells.start.size - 1, dtype=np.bool_)
         _find_crowds(self._cells, self._crowd)
         self.set_skin(skin)
-        self.index = np.zeros((0, 8), dtype=np.int32)
+        self.index = np.zeros((1, 8), dtype=np.int32)  # one row at least, which -1 may stand for
         self.row = np.zeros(0, dtype=np.int32)
         self.count = np.zeros(0, dtype=np.int32)
 

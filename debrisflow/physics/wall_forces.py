@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from debrisflow._jit import kernel, loop
 from debrisflow.neighbors.boundary import Boundary, face_at, face_count, wall_sums_at
 from debrisflow.neighbors.pairs import BLOCK, to_nearest_image
+from debrisflow.neighbors.patches import Patches
 
 Floats = NDArray[np.float64]
 MOST = 2.0  # own share of a face in what all walls push by
@@ -142,6 +143,7 @@ def wall_forces(volume, density, push, reaction, position, solid, patches, parti
         _add_forces(first, last, volume, density, push, reaction, position, solid, patches, total)
 
 
-def room_for_forces(count: int, solid: Boundary, patches: int) -> Floats:
+def room_for_forces(count: int, solid: Boundary, patches: Patches) -> Floats:
     """Return zeros, (blocks, walls + patches, 6) array, for the forces of a number of particles."""
-    return np.zeros(((count + BLOCK - 1) // BLOCK, solid.slip.size + patches, COMPONENTS))
+    rows = solid.slip.size + patches.wall.size
+    return np.zeros(((count + BLOCK - 1) // BLOCK, rows, COMPONENTS))

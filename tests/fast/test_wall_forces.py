@@ -40,7 +40,7 @@ def of_walls(position, reaction, *walls, patches=NO_PATCHES):
     """Return force and moment on each of several half spaces, of particles of 2 kg."""
     position, reaction = np.array(position, dtype=float), np.array(reaction, dtype=float)
     solid = planes(position, LATTICE, *walls)
-    partial = room_for_forces(len(position), solid, len(patches.wall))
+    partial = room_for_forces(len(position), solid, patches)
     density, push = np.ones(len(position)), 0.5 * reaction
     wall_forces(2.0, density, push, reaction, position, solid, patches, partial)
     return partial.sum(axis=0)
@@ -67,7 +67,7 @@ def test_in_a_corner_of_a_tank_each_wall_pushes_by_its_own_and_along_the_other()
     number[1, 2, 0] = -1  # the floor covers it
     corner = corner._replace(number=number)
     solid = felt(place, LATTICE, corner, slip=(1.0, 1.0))
-    partial = room_for_forces(1, solid, 0)
+    partial = room_for_forces(1, solid, no_patches())
     wall_forces(1.0, np.ones(1), pressed, pressed, place, solid, NO_PATCHES, partial)
     floor, side = partial.sum(axis=0)[:, :3]
     np.testing.assert_allclose(floor + side, -pressed[0])

@@ -22,7 +22,7 @@ class WallForces(Term):
         if not isinstance(scene.solid, Boundary):
             raise TypeError("only walls that are surfaces keep their reaction")
         state, walls = step.state, scene.solid.slip.size
-        partial = room_for_forces(p.fluid_count, scene.solid, state.patches.wall.size)
+        partial = room_for_forces(p.fluid_count, scene.solid, state.patches)
         wall_forces(
             scene.near.spacing**scene.near.dimension,
             p.density[p.fluid],
