@@ -96,9 +96,12 @@ class Raster(NamedTuple):
         Examples
         --------
         >>> raster = Raster(MapGrid(0.0, 0.0, 10.0, 3, 2), np.arange(6.0).reshape(2, 3))
-        >>> raster.cropped(10.0, 0.0, 30.0, 10.0)
-        Raster(grid=MapGrid(west=10.0, south=0.0, cell=10.0, columns=2, rows=1, crs=''), values=array([[4., 5.]]))
-        """  # noqa: E501 - one line of output
+        >>> grid, values = raster.cropped(10.0, 0.0, 30.0, 10.0)
+        >>> grid.west, grid.south, grid.columns, grid.rows
+        (10.0, 0.0, 2, 1)
+        >>> values
+        array([[4., 5.]])
+        """
         grid, cell = self.grid, self.grid.cell
         first = max(round((west - grid.west) / cell), 0)
         last = min(round((east - grid.west) / cell), grid.columns)

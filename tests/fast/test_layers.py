@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree import ElementTree
 
-import numba
 import numpy as np
 import pyogrio
 import pytest
@@ -125,14 +124,16 @@ def test_only_what_is_deeper_than_the_threshold_arrives() -> None:
     assert (layers.arrival[0, 0], layers.duration[0, 0]) == (2.0, 2.0)
 
 
-@pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="needs two threads")
 def test_bits_do_not_depend_on_threads() -> None:
     found = []
-    for threads in (1, 2):
-        set_threads(threads)
-        layers = no_layers(GRID.columns, GRID.rows)
-        LayerRecorder(GRID, 1.0, 0.05).add_step(layers, scattered(), 1.0, 0.1)
-        found.append(b"".join(value.tobytes() for value in vars(layers).values()))
+    try:
+        for threads in (1, 2):
+            assert set_threads(threads) == threads
+            layers = no_layers(GRID.columns, GRID.rows)
+            LayerRecorder(GRID, 1.0, 0.05).add_step(layers, scattered(), 1.0, 0.1)
+            found.append(b"".join(value.tobytes() for value in vars(layers).values()))
+    finally:
+        set_threads(1)
     assert found[0] == found[1]
 
 

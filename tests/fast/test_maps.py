@@ -185,6 +185,7 @@ class TestLanguage:
         text = pictures.text_of(run, layers, layers.layer("deposit"), Words())
         assert text.subtitle == "fan"  # since the title could not be written
 
+    # fonts belong to the system: .ci/run installs one; what is drawn without one is tested above
     @pytest.mark.skipif(fonts.japanese_font() is None, reason="no Japanese font is installed")
     def test_with_a_font_they_are_japanese(self, run):
         written, messages = draw_maps(run, Words("ja"), ("deposit",), 60)
