@@ -61,14 +61,12 @@ def is_pending(case: ResolvedCase, state: State) -> bool:
 
 
 def waiting(case: ResolvedCase, state: State) -> NDArray[np.int64]:
-    """Return how many particles of each release are due and not there, (releases,) array.
-
-    For lack of room; while a hydrograph flows also those of the next slab.
-    """
+    """Return how many particles of each release found no room to come in, (releases,) array."""
     owed = np.zeros(len(case.release), dtype=np.int64)
     for k, release in enumerate(case.release):
         if isinstance(release, ResolvedHydrographRelease):
-            owed[k] = _particles_until(release, state.time, case) - state.released[k]
+            due = _particles_until(release, state.time, case) - int(state.released[k])
+            owed[k] = due if due >= _slab_of(release, state.time, case) else 0
     return owed
 
 
@@ -128,9 +126,7 @@ def _born(
     """Return the particles that a hydrograph brings now; mostly none."""
     d0, graph, now = case.particles.spacing, release.hydrograph, time - release.start
     owed = _particles_until(release, time, case) - released
-    discharge = float(np.interp(now, graph.time, graph.discharge, right=0.0))
-    slab = discharge / release.velocity / d0**2  # particles while the flow moves by a spacing
-    if owed < max(1.0, slab):
+    if owed < _slab_of(release, time, case):
         return blank(0)
     place, along, above = _places_at_line(release, owed, released, case)
     group = blank(len(place))
@@ -146,6 +142,16 @@ def _born(
 def _particles_until(release: ResolvedHydrographRelease, time: float, case: ResolvedCase) -> int:
     """Return how many whole particles a hydrograph has brought at a time, s."""
     return int(volume_until(release, time) / case.particles.spacing**3 + ROUND_OFF)
+
+
+def _slab_of(release: ResolvedHydrographRelease, time: float, case: ResolvedCase) -> float:
+    """Return the particles that come in while the flow moves by a spacing at a time, s; 1 at least.
+
+    They are born together.
+    """
+    graph, now = release.hydrograph, time - release.start
+    discharge = float(np.interp(now, graph.time, graph.discharge, right=0.0))
+    return max(discharge / release.velocity / case.particles.spacing**2, 1.0)
 
 
 def _places_at_line(

@@ -41,7 +41,6 @@ LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
-MOST_WAITING = 100  # particles of a hydrograph at the end; fewer may be those of the next slab
 INTERRUPTED = "interrupted"
 ENDED, EMPTY, AT_REST = "end of the simulated time", "no fluid is left", "at rest"
 
@@ -370,7 +369,7 @@ class _Run:
         if lost:
             LOG.warning("%d particles went through a wall", lost)
         for k, count in enumerate(waiting(self.case, state)):
-            if count > MOST_WAITING:
+            if count:
                 LOG.warning("release.%d: %d particles found no room to come in", k, count)
         with self.clock.of(WRITING):
             self.results.write_maxima(state)
