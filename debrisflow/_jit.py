@@ -71,6 +71,14 @@ def _files_of(module: Path) -> Iterable[Path]:
     return filter(Path.is_file, (module / "__init__.py", module.with_suffix(".py")))
 
 
+def _digest_of_kernels() -> str:
+    """Return what tells the machine code of this program from that of others."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for source in kernel_sources():
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
 def _cache_directory() -> Path:
     """Return a writable folder whose name changes with the sources of the kernels.
 
@@ -78,10 +86,7 @@ def _cache_directory() -> Path:
     that ``debrisflow info --compile`` has prepared, its files are linked into a folder of the
     system's temporary directory, because Numba takes no folder that it cannot write to.
     """
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in kernel_sources():
-        digest.update(source.read_bytes())
-    name = Path("debrisflow") / f"kernels-{digest.hexdigest()[:16]}"
+    name = Path("debrisflow") / f"kernels-{KERNELS}"
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / name
     if _is_writable(home):
         return home
@@ -159,6 +164,7 @@ def _threading_layer() -> str:
     return "workqueue"
 
 
+KERNELS = _digest_of_kernels()
 CACHE_DIRECTORY = _cache_directory()
 THREADING_LAYER = _threading_layer()
 numba.config.CACHE_DIR = str(CACHE_DIRECTORY)

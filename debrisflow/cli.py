@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from threading import current_thread, main_thread
 from typing import Any
 
 import click
 
 from debrisflow import __version__
-from debrisflow.errors import DebrisflowError
+from debrisflow.errors import DebrisflowError, Interrupted
 from debrisflow.particles.arrays import COLORED
 
 INTERRUPTED = 130  # the exit code of a shell
@@ -24,15 +27,33 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; an error meant for the user becomes its message and exit code."""
         try:
-            return super().invoke(ctx)
+            with _sigterm_as_interrupt():
+                return super().invoke(ctx)
         except DebrisflowError as error:
             click.echo(error, err=True)
             ctx.exit(error.exit_code)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stop:
             goes_on = ctx.invoked_subcommand in ("run", "resume")
             how = "; the run goes on with: debrisflow resume RUN" if goes_on else ""
             click.echo(f"interrupted{how}", err=True)
-            ctx.exit(INTERRUPTED)
+            ctx.exit(stop.exit_code if isinstance(stop, Interrupted) else INTERRUPTED)
+
+
+@contextmanager
+def _sigterm_as_interrupt() -> Iterator[None]:
+    """Let SIGTERM, which batch systems send, end a command as Ctrl-C does."""
+
+    def interrupt(number: int, _: object) -> None:
+        raise Interrupted(number)
+
+    if current_thread() is not main_thread():
+        yield
+        return
+    former = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, former)
 
 
 def numbers_type(
@@ -192,11 +213,20 @@ def run(
 @main.command()
 @_results
 @_threads
-def resume(folder: Path, threads: int | None) -> None:
-    """Continue the run in the folder RUN from its last checkpoint."""
+@click.option("--until", type=float, callback=_finite, help="A later end of the simulated time, s.")
+@click.option(
+    "--accept-changes",
+    is_flag=True,
+    help="Go on although the case, its files or the program have changed since.",
+)
+def resume(folder: Path, threads: int | None, until: float | None, accept_changes: bool) -> None:
+    """Continue the run in the folder RUN from its last checkpoint.
+
+    Without a checkpoint it begins anew.
+    """
     from debrisflow.run.loop import resume
 
-    summary = resume(folder, threads=threads)
+    summary = resume(folder, threads, until, accept_changes)
     if summary is None:
         click.echo(f"{folder} has come to its end; nothing is changed")
     else:

@@ -29,3 +29,22 @@ class DivergedError(DebrisflowError):
 
 class NotConvergedError(DivergedError):
     """A linear system was not solved; the step may be tried again with a shorter time step."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """A run was stopped by a signal, from the terminal or a batch system.
+
+    Attributes
+    ----------
+    number : int
+        Of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+    @property
+    def exit_code(self) -> int:
+        """That of a shell."""
+        return 128 + self.number

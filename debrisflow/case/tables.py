@@ -371,6 +371,13 @@ class Output(Table):
         None,
         gt=0,
     )
+    checkpoint_wall_time: float = quantity("s", "wall time between checkpoints", 300.0, gt=0)
+    checkpoint_interval: float | None = quantity(
+        "s",
+        "simulated time between checkpoints, besides those by wall time; none if left out",
+        None,
+        gt=0,
+    )
 
 
 def follow_dimension(data: Any) -> Any:

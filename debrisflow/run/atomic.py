@@ -28,6 +28,7 @@ def replaced(path: Path) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield unfinished
+        _flush(unfinished)
         os.replace(unfinished, path)
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
@@ -50,11 +51,24 @@ def replaced_files(folder: Path) -> Iterator[Path]:
     """
     unfinished = folder / f"new{UNFINISHED}"
     try:
+        shutil.rmtree(unfinished, ignore_errors=True)  # what a killed run has left there
         unfinished.mkdir(parents=True, exist_ok=True)
         yield unfinished
-        for file in sorted(unfinished.iterdir()):
+        files = sorted(unfinished.iterdir())
+        for file in files:
+            _flush(file)
+        for file in files:
             os.replace(file, folder / file.name)
     except OSError as error:
         raise OutputError(f"cannot write into {folder}: {error.strerror or error}") from error
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _flush(file: Path) -> None:
+    """Bring a file to the disk; else, after a loss of power, an empty one may have its new name."""
+    descriptor = os.open(file, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

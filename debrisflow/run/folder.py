@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, dump_case
-from debrisflow.case.content import digest_of_content
+from debrisflow.case.content import content_of, digest_of
 from debrisflow.errors import OutputError
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
+from debrisflow.run.checkpoint import BEFORE, LAST, Checkpoints
 from debrisflow.run.deposit import DepositWriter
 from debrisflow.run.grid_file import grid_files
 from debrisflow.run.history import HistoryWriter
@@ -26,9 +27,9 @@ from debrisflow.run.layers import DepthFrames, Origin, layer_files, write_layers
 from debrisflow.run.ledger import LedgerWriter
 from debrisflow.run.maxima import write_maxima
 from debrisflow.run.measures import DepositProfile
-from debrisflow.run.probe import is_probe_file
+from debrisflow.run.probe import ProbeOutput, is_probe_file
 from debrisflow.run.probes import sampler_of
-from debrisflow.run.tables import Row
+from debrisflow.run.tables import Row, Series
 from debrisflow.run.vtu import FOLDER, Collection, write_particles
 from debrisflow.run.walls_file import OBSTACLES, WALLS, write_obstacles, write_walls
 from debrisflow.space.ground import ground_of
@@ -45,7 +46,6 @@ LEDGER = "ledger.csv"
 MAXIMA = "maxima.csv"
 SUMMARY = "summary.json"
 LOG = "run.log"
-CHECKPOINT = "checkpoint.h5"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
 PICTURES = "render"
@@ -62,7 +62,8 @@ RESULTS = (
     MAXIMA,
     SUMMARY,
     LOG,
-    CHECKPOINT,
+    LAST,
+    BEFORE,
 )
 MOVING = Path(OBSTACLES).stem  # folder of the obstacles that move
 DERIVED = (
@@ -108,17 +109,18 @@ class RunFolder:
 
     Attributes
     ----------
-    path, checkpoint_path : Path
+    path : Path
     case : ResolvedCase
+    checkpoints : Checkpoints
     log : logging.Logger
         Logger of the package.
     """
 
     def __init__(self, path: Path, case: ResolvedCase) -> None:
         self.path, self.case = path, case
-        self.checkpoint_path = path / CHECKPOINT
+        self.checkpoints = Checkpoints(path)
         # of the files as they are when the run begins
-        self._digest = digest_of_content(case) if case.is_terrain else ""
+        self._digest = digest_of(content_of(case)) if case.is_terrain else ""
         self._frames = Collection(path / FRAMES)
         self._obstacles: Collection | None = None
         if trajectories(case):
@@ -161,8 +163,8 @@ class RunFolder:
         try:
             path.mkdir(parents=True, exist_ok=True)
             _clear(path, overwrite)
-            with replaced(path / CASE) as unfinished:
-                unfinished.write_text(dump_case(case), encoding="utf-8")
+            (path / LOG).touch()  # so that a case alone is never one of a run
+            _write_case(path, case)  # the first file, so that any other results can be gone on with
             return cls(path, case)
         except OSError as error:
             raise OutputError(f"cannot write into {path}: {error.strerror}") from error
@@ -174,14 +176,16 @@ class RunFolder:
         Raises
         ------
         OutputError
-            If it holds no case or cannot be written.
+            If it cannot be written.
         """
-        if not (path / CASE).is_file():
-            raise OutputError(f"{path} is no run folder: it holds no {CASE}")
         try:
             return cls(path, case)
         except OSError as error:
             raise OutputError(f"cannot write into {path}: {error.strerror}") from error
+
+    def write_case(self) -> None:
+        """Write the case with all its defaults."""
+        _write_case(self.path, self.case)
 
     def write_frame(self, state: State) -> None:
         """Write the particles as the next frame, and the maxima until then.
@@ -259,19 +263,18 @@ class RunFolder:
         with replaced(self.path / SUMMARY) as unfinished:
             unfinished.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
 
+    def flush(self) -> None:
+        """Bring all tables to the disk, so that they are not behind a checkpoint saved next."""
+        for table in self._tables():
+            table.flush()
+
     def rewind(self, time: float) -> None:
         """Remove rows and frames later than a time, s, and the summary of an earlier end."""
         self._frames.drop_after(time)
         if self._obstacles is not None:
             self._obstacles.drop_after(time)
-        self._deposit.truncate_after(time)
-        self._history.truncate_after(time)
-        if self._ledger is not None:
-            self._ledger.truncate_after(time)
-        if self._depths is not None:
-            self._depths.truncate_after(time)
-        for probe in self._probes.values():
-            probe.truncate_after(time)
+        for table in self._tables():
+            table.truncate_after(time)
         for name in (MAXIMA, SUMMARY):
             (self.path / name).unlink(missing_ok=True)
 
@@ -282,15 +285,13 @@ class RunFolder:
 
     def close(self) -> None:
         """Close all files."""
-        self._deposit.close()
-        self._history.close()
-        if self._ledger is not None:
-            self._ledger.close()
-        if self._depths is not None:
-            self._depths.close()
-        for probe in self._probes.values():
-            probe.close()
+        for table in self._tables():
+            table.close()
         self.detach_log()
+
+    def _tables(self) -> list[Series | DepthFrames | ProbeOutput]:
+        tables = [self._deposit, self._history, self._ledger, self._depths, *self._probes.values()]
+        return [table for table in tables if table is not None]
 
     def __enter__(self) -> Self:
         """Return the folder itself."""
@@ -304,6 +305,11 @@ class RunFolder:
     ) -> None:
         """Close all files."""
         self.close()
+
+
+def _write_case(path: Path, case: ResolvedCase) -> None:
+    with replaced(path / CASE) as unfinished:
+        unfinished.write_text(dump_case(case), encoding="utf-8")
 
 
 def _results(path: Path) -> Iterator[Path]:
@@ -330,16 +336,20 @@ def _results(path: Path) -> Iterator[Path]:
 
 def _clear(path: Path, overwrite: bool) -> None:
     results = list(_results(path))
-    if [file.name for file in results] == [CASE]:
+    whole = [file for file in results if file.suffix != UNFINISHED]
+    if [file.name for file in whole] == [LOG]:
+        return  # of a run that was stopped before it began; its log is continued
+    if [file.name for file in whole] == [CASE]:
         # a run never leaves a case alone, so this is the user's own file, with comments to be kept
         raise OutputError(
             f"{path} holds a {CASE} that no run wrote, and results would replace it; "
             "choose another folder"
         )
-    if results and not overwrite:
+    if whole and not overwrite:
         raise OutputError(
-            f"{path} holds results ({results[0].name}); "
-            "choose another folder, or replace them with --overwrite"
+            f"{path} holds results ({whole[0].name}); "
+            "choose another folder, replace them with --overwrite, or go on with a run that was "
+            f"stopped: debrisflow resume {path}"
         )
     for file in results:
         file.unlink()

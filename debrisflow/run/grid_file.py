@@ -39,6 +39,9 @@ class GridWriter:
         values = np.asarray(rows, dtype=np.float32)
         self._images.append(time, lambda file: self._write_image(file, values))
 
+    def flush(self) -> None:
+        """Do nothing: each image is on the disk when it is complete."""
+
     def truncate_after(self, time: float) -> None:
         """Remove the images later than a time, s."""
         self._images.drop_after(time)

@@ -64,7 +64,7 @@ class Origin(NamedTuple):
     Attributes
     ----------
     case : str
-        SHA-256 of the case and its files, see :func:`debrisflow.case.content.digest_of_content`.
+        SHA-256 of the case and its files, see :func:`debrisflow.case.content.digest_of`.
     spacing : float
         d0, m.
     threshold : float, m
@@ -209,6 +209,10 @@ class DepthFrames:
             write_raster(file, shown, origin.tags(FRAME))
         self._times.append([(origin.time, self._count)])
         self._count += 1
+
+    def flush(self) -> None:
+        """Bring the table of times to the disk, where the frames are."""
+        self._times.flush()
 
     def truncate_after(self, time: float) -> None:
         """Remove the frames later than a time, s."""

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import math
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from threading import current_thread, main_thread
+from time import perf_counter
 from typing import Any
 
-from debrisflow._jit import THREADING_LAYER, cores, set_threads
+from debrisflow import __version__
+from debrisflow._jit import KERNELS, THREADING_LAYER, cores, set_threads
 from debrisflow.case import ResolvedCase, load_case
 from debrisflow.case.built import HEAD
+from debrisflow.case.content import content_of
 from debrisflow.case.doubts import doubts
-from debrisflow.errors import DivergedError, NotConvergedError, OutputError
+from debrisflow.errors import CaseError, DivergedError, Interrupted, NotConvergedError, OutputError
 from debrisflow.particles.releases import is_pending, waiting
 from debrisflow.particles.start import initial_state
 from debrisflow.particles.state import State
-from debrisflow.run import checkpoint
-from debrisflow.run.folder import CASE, CHECKPOINT, RunFolder, read_summary
+from debrisflow.run.checkpoint import Checkpoint, Origin, check_fits
+from debrisflow.run.folder import CASE, RunFolder, read_summary
 from debrisflow.run.history import history_row
 from debrisflow.run.layer_recorder import recorder_of
 from debrisflow.run.ledger import ledger_row
+from debrisflow.run.lock import locked
 from debrisflow.run.measures import deposit_profile, flow
 from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
@@ -31,6 +32,7 @@ from debrisflow.run.probes import samplers
 from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
 from debrisflow.run.schedule import Schedule
 from debrisflow.run.stop import StopRule
+from debrisflow.run.stop_signals import StopSignals
 from debrisflow.run.summary import summary
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.clock import Clock
@@ -69,11 +71,24 @@ def simulate(
     CaseError, OutputError, DivergedError
     """
     clock = Clock()
+    folder = Path(folder)
     with clock.of(START_UP):
         state = initial_state(case)
         probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
-        results = RunFolder.create(Path(folder), case, overwrite)
-    with results, Progress(case, state, clock) as shown:
+    with locked(folder), RunFolder.create(folder, case, overwrite) as results:
+        return _begin(case, results, state, probes, clock, threads)
+
+
+def _begin(
+    case: ResolvedCase,
+    results: RunFolder,
+    state: State,
+    probes: dict[str, Sampler],
+    clock: Clock,
+    threads: int | None,
+) -> dict[str, Any]:
+    """Compute a case from its start, in a folder without results."""
+    with Progress(case, state, clock) as shown:
         with clock.of(START_UP):
             run = _Run(case, results, state, probes, shown, threads)
             run.scheme.fill_number_density(state)
@@ -81,31 +96,92 @@ def simulate(
         return run.finish()
 
 
-def resume(folder: Path, threads: int | None = None) -> dict[str, Any] | None:
+def resume(
+    folder: Path,
+    threads: int | None = None,
+    until: float | None = None,
+    accept_changes: bool = False,
+) -> dict[str, Any] | None:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`.
 
-    A run that has come to its end is left as it is, and None is returned.  With a later
-    ``time.end``, or a lower or no ``time.stop_energy``, in the case of the folder it goes on.
+    Without a checkpoint it begins anew.  A run that has come to its end is left as it is, and None
+    is returned; with a lower or no ``time.stop_energy`` in the case of the folder it goes on.
+
+    Parameters
+    ----------
+    folder : Path
+    threads : int, optional
+    until : float, optional, s
+        A new end of the simulated time, which the case of the folder gets.
+    accept_changes : bool
+        Go on although the case, a file that it names or the program is not what it was: the
+        results are then those of no single case.
+
+    Raises
+    ------
+    CaseError, OutputError, DivergedError
     """
-    case = load_case(folder / CASE)
-    if _has_ended(case, read_summary(folder)):
-        return None
+    if not (folder / CASE).exists():
+        raise OutputError(
+            f"{folder} holds no {CASE}: it is no run folder, or its run was stopped before it "
+            f"began; start it with: debrisflow run CASE -o {folder}"
+        )
     clock = Clock()
-    with clock.of(START_UP):
-        state = checkpoint.load(folder / CHECKPOINT)
-        if case.has_surfaces and state.particles.count > state.particles.moving.stop:
-            raise OutputError(
-                f"{folder / CHECKPOINT} was written by a version of debrisflow whose walls were "
-                "particles and cannot be continued; start the run again with: debrisflow run"
-            )
-        probes = samplers(case, state)
-        results = RunFolder.open(folder, case)
-    with results, Progress(case, state, clock) as shown:
-        with clock.of(START_UP):
-            results.rewind(state.time)
-            LOG.info("resumed at t = %g s, step %d", state.time, state.step)
-            run = _Run(case, results, state, probes, shown, threads)
-        return run.finish()
+    with locked(folder):
+        case = load_case(folder / CASE, [] if until is None else [f"time.end={until!r}"])
+        if _has_ended(case, read_summary(folder)):
+            return None
+        with RunFolder.open(folder, case) as results:
+            with clock.of(START_UP):
+                state = initial_state(case)
+                kept = results.checkpoints.load()
+                if kept is not None:
+                    _check(kept, case, state, accept_changes)
+                    state = kept.state
+                probes = samplers(case, state)
+            if until is not None:
+                results.write_case()
+            if kept is None:
+                LOG.info("there is no checkpoint: the run begins anew")
+                results.rewind(-math.inf)
+                return _begin(case, results, state, probes, clock, threads)
+            with Progress(case, state, clock) as shown:
+                with clock.of(START_UP):
+                    results.rewind(state.time)
+                    LOG.info("resumed at t = %g s, step %d", state.time, state.step)
+                    run = _Run(case, results, state, probes, shown, threads)
+                return run.finish()
+
+
+def _check(kept: Checkpoint, case: ResolvedCase, start: State, accept_changes: bool) -> None:
+    """Check that a run can go on from a checkpoint to the bits of a run without interruption."""
+    particles = kept.state.particles
+    if case.has_surfaces and particles.count > particles.moving.stop:
+        raise OutputError(
+            "the checkpoint was written by a version of debrisflow whose walls were particles and "
+            "cannot be continued; start the run again with: debrisflow run"
+        )
+    changed = kept.origin.changes(_origin(case))
+    if changed and not accept_changes:
+        raise OutputError(
+            "\n  ".join(["since the last checkpoint there have been changes:", *changed])
+            + "\nThe results would be those of no single case.  Undo the changes, start a run of "
+            "its own with: debrisflow run, or go on all the same with: debrisflow resume "
+            "--accept-changes"
+        )
+    for line in changed:
+        LOG.warning("changed since the last checkpoint: %s", line)
+    check_fits(kept.state, start)
+    if case.time.end < kept.state.time:
+        raise CaseError(
+            f"time.end = {case.time.end:g} s is before the last checkpoint, at "
+            f"t = {kept.state.time:g} s"
+        )
+
+
+def _origin(case: ResolvedCase) -> Origin:
+    program = f"debrisflow {__version__}, kernels {KERNELS}"
+    return Origin(program, json.dumps(content_of(case)))
 
 
 def _has_ended(case: ResolvedCase, before: dict[str, Any]) -> bool:
@@ -148,9 +224,14 @@ class _Run:
         self.depths: Schedule | None = None
         if case.is_terrain and output.layer_interval is not None:
             self.depths = Schedule(output.layer_interval, 0.0, end)
+        self.checkpoints: Schedule | None = None
+        if output.checkpoint_interval is not None:
+            self.checkpoints = Schedule(output.checkpoint_interval, start, end)
         self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
         self.recorder = recorder_of(case)
-        self._checkpoint_is_due = self._asked_to_stop = self._is_at_rest = False
+        self._origin, self._saved = _origin(case), perf_counter()
+        self._checkpoint_is_due = self._is_at_rest = False
+        self._signals = StopSignals()
         LOG.info(
             "%s: %d fluid of %d particles, threads by %s",
             case.title,
@@ -182,16 +263,16 @@ class _Run:
     def finish(self) -> dict[str, Any]:
         """Run to the end of the simulated time and return the summary."""
         try:
-            with self._polite_interrupt():
+            with self._signals:
                 reason = self._loop()
         except DivergedError as error:
             self._save_checkpoint()
             self._conclude(str(error))
-            message = f"{error}; the last good state is in {self.results.checkpoint_path}"
+            message = f"{error}; the last good state is in {self.results.checkpoints.last}"
             raise DivergedError(message) from error
         figures = self._conclude(reason)
-        if reason == INTERRUPTED:
-            raise KeyboardInterrupt
+        if self._signals.received is not None and reason == INTERRUPTED:
+            raise Interrupted(self._signals.received)
         return figures
 
     def _loop(self) -> str:
@@ -210,6 +291,9 @@ class _Run:
                 self._record(state.time - before)
             self.write(iterations)
             self.sample(before)
+            if self.checkpoints and self.checkpoints.passed_due(before, state.time):
+                self._checkpoint_is_due = True
+            self.progress.is_stopping = self._signals.received is not None
             self.progress.count(state)
             if self._is_at_rest:
                 self._write_last()
@@ -229,14 +313,17 @@ class _Run:
         """
         if self.state.step % self.scheme.REFRESH != 0:
             return False
-        if self._checkpoint_is_due or self._asked_to_stop:
+        is_asked = self._signals.received is not None
+        waited = perf_counter() - self._saved
+        if self._checkpoint_is_due or is_asked or waited > self.case.output.checkpoint_wall_time:
             self._save_checkpoint()
-            self._checkpoint_is_due = False
-        return self._asked_to_stop
+        return is_asked
 
     def _save_checkpoint(self) -> None:
         with self.clock.of(WRITING):
-            checkpoint.save(self.results.checkpoint_path, self.state)
+            self.results.flush()
+            self.results.checkpoints.save(self.state, self._origin)
+        self._saved, self._checkpoint_is_due = perf_counter(), False
 
     def _next_due(self) -> float:
         """Return the next time at which a step must end, s."""
@@ -283,7 +370,9 @@ class _Run:
                 self._write_depth()
             if self.frames.is_due(time):
                 self.results.write_frame(self.state)
-                self._checkpoint_is_due = True
+                # near the end, from which `resume --until` goes on
+                is_last_but_one = self.frames.next_after(time) >= self.case.time.end
+                self._checkpoint_is_due |= is_last_but_one and time < self.case.time.end
 
     def _write_last(self) -> None:
         """Write deposit, depth and frame of a run that ends early, unless they are there."""
@@ -344,23 +433,6 @@ class _Run:
                 if schedule.passed_due(before, self.state.time):
                     rows = self.probes[name].rows(self.state)
                     self.results.write_probe(name, self.state.time, rows)
-
-    @contextmanager
-    def _polite_interrupt(self) -> Iterator[None]:
-        """Let the first Ctrl-C end the run at a step from which it can be resumed bit for bit."""
-
-        def ask(*_: object) -> None:
-            self._asked_to_stop = True
-            signal.signal(signal.SIGINT, former)
-
-        if current_thread() is not main_thread():
-            yield
-            return
-        former = signal.signal(signal.SIGINT, ask)
-        try:
-            yield
-        finally:
-            signal.signal(signal.SIGINT, former)
 
     def _conclude(self, reason: str) -> dict[str, Any]:
         """Write the maxima and the summary, and return the summary."""

@@ -149,6 +149,9 @@ class ProbeOutput(Protocol):
     def write(self, time: float, rows: Iterable[Row]) -> None:
         """Append the rows of a sample at a time, s."""
 
+    def flush(self) -> None:
+        """Bring what was written to the disk."""
+
     def truncate_after(self, time: float) -> None:
         """Remove the samples later than a time, s."""
 

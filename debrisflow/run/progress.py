@@ -38,10 +38,13 @@ class Progress:
         Sum of the fluid particles over the steps.
     steps : int
         Steps of this run, without those before it was continued.
+    is_stopping : bool
+        Whether the run is only going on to where it can be resumed.
     """
 
     def __init__(self, case: ResolvedCase, state: State, clock: Clock) -> None:
         self.particle_steps = self.steps = 0
+        self.is_stopping = False
         self.clock = clock
         self._settling = case.time.settling
         self._left = TimeLeft(case, state.particles.fluid_count)
@@ -79,7 +82,8 @@ class Progress:
         self._left.count(state.time, state.dt, number, elapsed, written, was_compiling)
         left = self._left.seconds
         self._bar.set_description_str(
-            f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, {number} particles, "
+            ("stopping: " if self.is_stopping else "")
+            + f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, {number} particles, "
             f"{self.particle_steps / self.seconds:.2g} particle-steps/s"
             + ("" if left is None else f", {self._bar.format_interval(left)} left"),
             refresh=False,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -109,21 +110,33 @@ class Series:
         except OSError as error:
             raise OutputError(f"cannot write {self.path}: {error.strerror}") from error
 
+    def flush(self) -> None:
+        """Bring what was written to the disk, where it survives a loss of power."""
+        try:
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise OutputError(f"cannot write {self.path}: {error.strerror}") from error
+
     def truncate_after(self, time: float) -> None:
-        """Remove the rows later than a time, s, and an incomplete last row.
+        """Remove the rows later than a time, s, and a last row without its line end.
 
         Raises
         ------
         OutputError
-            If the file has other columns.
+            If the file has other columns, or rows that are no rows of it.
         """
         self.close()
-        with self.path.open(newline="", encoding="utf-8") as file:
-            lines = [line for line in csv.reader(file) if line and not line[0].startswith("#")]
-        if not lines or tuple(lines[0]) != self.columns:
-            raise OutputError(f"{self.path} has other columns than {', '.join(self.columns)}")
-        whole = [line for line in lines[1:] if len(line) == len(self.columns)]
-        kept = [line for line in whole if float(line[0]) <= time]
+        try:
+            text = self.path.read_text(encoding="utf-8")
+            rows = csv.reader(text[: text.rfind("\n") + 1].splitlines())
+            lines = [line for line in rows if line and not line[0].startswith("#")]
+            if not lines or tuple(lines[0]) != self.columns:
+                raise OutputError(f"{self.path} has other columns than {', '.join(self.columns)}")
+            kept = [line for line in lines[1:] if float(line[0]) <= time]
+        except (OSError, ValueError, csv.Error) as error:
+            raise OutputError(f"{self.path} is damaged: {error}") from error
+        if any(len(line) != len(self.columns) for line in kept):
+            raise OutputError(f"{self.path} is damaged: a row has too few or too many columns")
         write_table(self.path, self.columns, self.head, kept)
         self._open()
 

@@ -163,11 +163,6 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path, case):
         RunFolder.create(tmp_path / "file/run", case)
 
 
-def test_opening_what_is_no_run_is_refused(tmp_path, case):
-    with pytest.raises(OutputError, match="no run folder"):
-        RunFolder.open(tmp_path, case)
-
-
 def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path, case, state, row):
     times = [k * 0.1 for k in range(6)]
     with RunFolder.create(tmp_path / "whole", case) as folder:

@@ -17,7 +17,7 @@ import shapely
 from rasterio.transform import Affine
 
 from debrisflow.case import ResolvedCase, build_case, dump_case, load_case
-from debrisflow.case.content import digest_of_content
+from debrisflow.case.content import content_of, digest_of
 from debrisflow.case.doubts import doubts, rows_over_depths
 from debrisflow.case.estimate import particle_estimate
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
@@ -82,21 +82,21 @@ def terrain(case: ResolvedCase) -> ResolvedTerrain:
 def test_the_digest_of_a_case_is_that_of_its_content(build: Build, tmp_path: Path) -> None:
     write_polygons(tmp_path / "scar.geojson", [shapely.Polygon(SQUARE)])
     scar = {"type": "polygon", "file": "scar.geojson", "depth": 2.0}
-    first = digest_of_content(build(scar))
+    first = digest_of(content_of(build(scar)))
     assert len(first) == 64
-    assert digest_of_content(build(scar | {"depth": 2.1})) != first
+    assert digest_of(content_of(build(scar | {"depth": 2.1}))) != first
     (tmp_path / "elsewhere").mkdir()
     for name in ("dem.asc", "scar.geojson"):
         shutil.copy(tmp_path / name, tmp_path / "elsewhere" / name)
     away = {"dem": str(tmp_path / "elsewhere" / "dem.asc")}
     there = scar | {"file": str(tmp_path / "elsewhere" / "scar.geojson")}
-    assert digest_of_content(build(there, geometry=away)) == first
+    assert digest_of(content_of(build(there, geometry=away))) == first
     write_polygons(tmp_path / "elsewhere" / "scar.geojson", [shapely.Polygon(SQUARE[:3])])
-    assert digest_of_content(build(there, geometry=away)) != first
+    assert digest_of(content_of(build(there, geometry=away))) != first
     changed = levels()
     changed[0, -1] += 0.01
     write_raster(tmp_path / "dem.asc", Raster(GRID, changed))
-    assert digest_of_content(build(scar)) != first
+    assert digest_of(content_of(build(scar))) != first
 
 
 class TestResolved:

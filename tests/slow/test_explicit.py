@@ -189,7 +189,7 @@ def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(tmp_path, ends):
     loop.simulate(probed_dam_break(), whole, threads=1)
     shutil.copytree(whole, rest)
     (rest / "summary.json").unlink()  # as if the run had not come to its end
-    saved = checkpoint.load(rest / "checkpoint.h5")
+    saved = checkpoint.load(rest / "checkpoint.h5").state
     assert 0 < saved.step < ends[0].step  # the last checkpoint is one of the middle
     assert any(np.any(saved.sums[name] != ends[0].sums[name]) for name in saved.sums)
     loop.resume(rest, threads=1)
@@ -281,7 +281,7 @@ def test_a_run_that_diverges_says_where_and_keeps_its_last_good_state(tmp_path, 
     monkeypatch.setattr(Explicit, "step", step_and_spoil)
     with pytest.raises(DivergedError, match=r"at t = .* s, step 9, particle \d+ at .*checkpoint"):
         loop.simulate(still_tank(), tmp_path / "run", threads=1)
-    kept = checkpoint.load(tmp_path / "run" / "checkpoint.h5")
+    kept = checkpoint.load(tmp_path / "run" / "checkpoint.h5").state
     assert kept.step == 9
     assert np.all(np.isfinite(kept.particles.position))
     assert np.all(np.isfinite(kept.particles.velocity))

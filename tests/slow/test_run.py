@@ -77,7 +77,7 @@ def test_a_time_step_that_collapses_ends_the_run(tmp_path, monkeypatch):
     case = tank_case(6, 6, "water")
     with pytest.raises(DivergedError, match=r"the time step has fallen to 1e-12 s.*checkpoint.h5"):
         loop.simulate(case, tmp_path / "run")
-    assert checkpoint.load(tmp_path / "run" / "checkpoint.h5").step == 0
+    assert checkpoint.load(tmp_path / "run" / "checkpoint.h5").state.step == 0
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, ends, interrupt):
@@ -86,7 +86,7 @@ def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, ends, interrupt):
     interrupt()
     with pytest.raises(KeyboardInterrupt):
         loop.simulate(case, tmp_path / "broken")
-    stopped = checkpoint.load(tmp_path / "broken" / "checkpoint.h5")
+    stopped = checkpoint.load(tmp_path / "broken" / "checkpoint.h5").state
     assert stopped.step == SemiImplicit.REFRESH
     summary = json.loads((tmp_path / "broken" / "summary.json").read_text())
     assert summary["end_reason"] == "interrupted"

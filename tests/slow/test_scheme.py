@@ -315,7 +315,7 @@ def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
     loop.simulate(case(time={"end": 0.08}, output={"interval": 0.02}), whole)
     shutil.copytree(whole, rest)
     (rest / "summary.json").unlink()  # as if the run had not come to its end
-    saved = checkpoint.load(rest / "checkpoint.h5")
+    saved = checkpoint.load(rest / "checkpoint.h5").state
     assert 0 < saved.step < ends[0].step  # the last checkpoint is one of the middle
     loop.resume(rest)
     assert identical(*ends)

@@ -1,0 +1,57 @@
+"""The lock by which one process at a time writes into the folder of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from debrisflow.errors import OutputError
+
+LOCK = "run.lock"
+PATIENCE = 1.0  # s, for a process that only looks whether there is a run
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep other processes from running in a folder, which is made if it does not exist.
+
+    The operating system takes the lock from a process that ends, however it ends.
+
+    Raises
+    ------
+    OutputError
+        If another process runs there, or the folder cannot be written.
+    """
+    lock = FileLock(folder / LOCK, timeout=PATIENCE)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except Timeout as error:
+        raise OutputError(
+            f"another process is writing into {folder}; watch it with: debrisflow status {folder}"
+        ) from error
+    except (OSError, NotImplementedError) as error:
+        raise OutputError(f"cannot write into {folder}: {error}") from error
+    try:
+        yield
+    finally:
+        (folder / LOCK).unlink(missing_ok=True)
+        lock.release()
+
+
+def is_locked(folder: Path) -> bool:
+    """Return whether a process is running in a folder."""
+    if not (folder / LOCK).exists():
+        return False
+    lock = FileLock(folder / LOCK, timeout=0.0)
+    try:
+        lock.acquire()
+    except Timeout:
+        return True
+    except (OSError, NotImplementedError):
+        return False
+    lock.release()
+    return False
