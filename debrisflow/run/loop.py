@@ -43,6 +43,7 @@ LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
+MOST_SAVING = 0.02  # of the wall time, for checkpoints by wall time
 INTERRUPTED = "interrupted"
 ENDED, EMPTY, AT_REST = "end of the simulated time", "no fluid is left", "at rest"
 
@@ -229,7 +230,7 @@ class _Run:
             self.checkpoints = Schedule(output.checkpoint_interval, start, end)
         self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
         self.recorder = recorder_of(case)
-        self._origin, self._saved = _origin(case), perf_counter()
+        self._origin, self._saved, self._saving = _origin(case), perf_counter(), 0.0
         self._checkpoint_is_due = self._is_at_rest = False
         self._signals = StopSignals()
         LOG.info(
@@ -314,16 +315,18 @@ class _Run:
         if self.state.step % self.scheme.REFRESH != 0:
             return False
         is_asked = self._signals.received is not None
-        waited = perf_counter() - self._saved
-        if self._checkpoint_is_due or is_asked or waited > self.case.output.checkpoint_wall_time:
+        pause = max(self.case.output.checkpoint_wall_time, self._saving / MOST_SAVING)
+        if self._checkpoint_is_due or is_asked or perf_counter() - self._saved > pause:
             self._save_checkpoint()
         return is_asked
 
     def _save_checkpoint(self) -> None:
+        start = perf_counter()
         with self.clock.of(WRITING):
             self.results.flush()
             self.results.checkpoints.save(self.state, self._origin)
         self._saved, self._checkpoint_is_due = perf_counter(), False
+        self._saving = self._saved - start
 
     def _next_due(self) -> float:
         """Return the next time at which a step must end, s."""
