@@ -22,9 +22,27 @@ class OutputError(DebrisflowError):
 
 
 class DivergedError(DebrisflowError):
-    """A run broke a promise: a stability limit, a NaN, a pressure that was not found."""
+    """A run broke a promise: a stability limit, a NaN, a pressure that was not found.
+
+    Parameters
+    ----------
+    what : str
+        What happened, when, and to which particle at which place; one line.
+    cause : str
+        The likely one.
+    remedy : str
+        What to do about it.
+    where_kept : str
+        Which files hold the last good state and the failure.
+    """
 
     exit_code = 4
+
+    def __init__(self, what: str, cause: str = "", remedy: str = "", where_kept: str = "") -> None:
+        self.what, self.cause, self.remedy = what, cause, remedy
+        parts = (("likely cause", cause), ("what to do", remedy))
+        lines = [what, *(f"{name}: {text}" for name, text in parts if text)]
+        super().__init__("\n".join([*lines, where_kept] if where_kept else lines))
 
 
 class NotConvergedError(DivergedError):

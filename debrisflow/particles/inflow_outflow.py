@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.matter import set_fraction
 from debrisflow.particles.record import Kind, Particles
-from debrisflow.particles.state import State, count_phases
+from debrisflow.particles.state import Escaped, State, count_phases
 from debrisflow.particles.supply import supply, supply_column, whole_sediment
 from debrisflow.space.domain import Domain
 from debrisflow.space.fills import inflow_section
@@ -16,6 +16,8 @@ from debrisflow.space.floor import floor_level
 from debrisflow.space.ground import ground_of
 
 Floats = NDArray[np.float64]
+MOST_NOTED = 100
+"""Escaped particles that are noted one by one; all are counted."""
 
 
 def advance_supply(state: State, case: ResolvedCase, dt: float) -> None:
@@ -129,7 +131,16 @@ def _remove(state: State, gone: NDArray[np.bool_], leaked: NDArray[np.bool_]) ->
     particles = state.particles
     kind, fraction = particles.kind[particles.fluid], particles.sediment_fraction[particles.fluid]
     out = gone & ~leaked
+    _note(state, np.flatnonzero(leaked))
     count_phases(kind[out], fraction[out], state.left, state.left_sediment)
     count_phases(kind[leaked], fraction[leaked], state.through_wall, state.through_wall_sediment)
     particles.keep(np.flatnonzero(~gone), particles.fluid_count)
     particles.fluid_count -= int(np.count_nonzero(gone))
+
+
+def _note(state: State, rows: NDArray[np.int64]) -> None:
+    """Note which particles go through a wall, and where."""
+    p = state.particles
+    for row in rows[: MOST_NOTED - len(state.escaped)]:
+        speed = float(np.linalg.norm(p.velocity[row]))
+        state.escaped.append(Escaped(int(p.id[row]), p.position[row].copy(), speed))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,22 @@ def _counts() -> NDArray[np.int64]:
 
 def _sums() -> Floats:
     return np.zeros(len(PHASES))
+
+
+class Escaped(NamedTuple):
+    """A particle that was lost through a wall.
+
+    Attributes
+    ----------
+    id : int
+    position : (3,) float64 array, m
+        Where it was found.
+    speed : float, m/s
+    """
+
+    id: int
+    position: Floats
+    speed: float
 
 
 @dataclass
@@ -71,6 +88,8 @@ class State:
         Patches of walls that probes want the force on; no checkpoint holds them.
     patch_force : (patches, 3) float64 array, N
         On each of these in the last step, as ``wall_force``.
+    escaped : list of Escaped
+        Particles lost through walls, until somebody has told of them; no checkpoint holds them.
     """
 
     particles: Particles
@@ -97,6 +116,7 @@ class State:
     wall_force: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     patches: Patches = field(default_factory=no_patches)
     patch_force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    escaped: list[Escaped] = field(default_factory=list)
 
 
 def count_phases(

@@ -29,7 +29,8 @@ PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima, "layers
 SUMS = "sums"
 ORIGIN = "origin"
 CHECKSUM = "sha256"
-NOT_KEPT = {"wall_force", "patches", "patch_force"}  # what each step, or who reads it, finds anew
+# what each step, or who reads it, finds anew
+NOT_KEPT = {"wall_force", "patches", "patch_force", "escaped"}
 NUMBERS = "biuf"  # kinds of arrays: no objects, no references, no text
 GREATEST_COMPRESSION = 1100.0  # of gzip: 1032
 FREE = ("time.end", "time.stop_energy", "output.checkpoint_")

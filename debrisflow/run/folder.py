@@ -46,6 +46,7 @@ LEDGER = "ledger.csv"
 MAXIMA = "maxima.csv"
 SUMMARY = "summary.json"
 LOG = "run.log"
+FAILED = "failed.vtu"
 PROBES = "probes"
 POSTPROCESS = "postprocess"
 PICTURES = "render"
@@ -64,6 +65,7 @@ RESULTS = (
     LOG,
     LAST,
     BEFORE,
+    FAILED,
 )
 MOVING = Path(OBSTACLES).stem  # folder of the obstacles that move
 DERIVED = (
@@ -205,6 +207,12 @@ class RunFolder:
             self._obstacles.append(time, lambda file: write_obstacles(file, self.case, time))
         self.write_maxima(state)
 
+    def write_failed(self, state: State) -> Path:
+        """Write all particles of a state that failed, and return the file."""
+        path = self.path / FAILED
+        write_particles(path, state.particles)
+        return path
+
     def write_maxima(self, state: State) -> None:
         """Write the maxima of the run up to the time of the state; a terrain has layers instead."""
         if not self.case.is_terrain:
@@ -275,7 +283,7 @@ class RunFolder:
             self._obstacles.drop_after(time)
         for table in self._tables():
             table.truncate_after(time)
-        for name in (MAXIMA, SUMMARY):
+        for name in (MAXIMA, SUMMARY, FAILED):
             (self.path / name).unlink(missing_ok=True)
 
     def detach_log(self) -> None:

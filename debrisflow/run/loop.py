@@ -34,6 +34,7 @@ from debrisflow.run.schedule import Schedule
 from debrisflow.run.stop import StopRule
 from debrisflow.run.stop_signals import StopSignals
 from debrisflow.run.summary import summary
+from debrisflow.run.watchdogs.watch import Watchdogs
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.clock import Clock
 from debrisflow.space.encounters import encounters
@@ -41,7 +42,7 @@ from debrisflow.space.volumes import differences
 
 LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
-LEAST_STEP = 1.0e-5  # of the largest step that the case allows
+LEAST_REST = 1.0e-6  # of the largest step; shorter rests of halved steps to a due time are dropped
 FEWEST_PARTICLES_A_THREAD = 4000
 MOST_SAVING = 0.02  # of the wall time, for checkpoints by wall time
 INTERRUPTED = "interrupted"
@@ -216,6 +217,7 @@ class _Run:
         self.clock, self.rule = progress.clock, StopRule(case)
         self.scheme = scheme_of(case)
         self.scheme.seconds = self.clock  # one clock for the steps and what is around them
+        self.watchdogs = Watchdogs(case, self.scheme, state, results.checkpoints.last)
         self._given_threads, self.threads = threads, 0
         self._set_threads()
         start, end, output = -case.time.settling, case.time.end, case.output
@@ -267,14 +269,23 @@ class _Run:
             with self._signals:
                 reason = self._loop()
         except DivergedError as error:
-            self._save_checkpoint()
-            self._conclude(str(error))
-            message = f"{error}; the last good state is in {self.results.checkpoints.last}"
-            raise DivergedError(message) from error
+            raise self._failed(error) from error
         figures = self._conclude(reason)
         if self._signals.received is not None and reason == INTERRUPTED:
             raise Interrupted(self._signals.received)
         return figures
+
+    def _failed(self, error: DivergedError) -> DivergedError:
+        """Write the particles at a failure and the summary; the checkpoint stays as it is.
+
+        Returns the error with where the last good state is.
+        """
+        failed = self.results.write_failed(self.state)
+        self._conclude(error.what)
+        kept = self.watchdogs.where_kept(failed)
+        found = DivergedError(error.what, error.cause, error.remedy, kept)
+        LOG.error("%s", found)
+        return found
 
     def _loop(self) -> str:
         """Take steps until the end, and return why the run ended."""
@@ -286,6 +297,7 @@ class _Run:
                 return INTERRUPTED
             before = state.time
             iterations = self._advance(self._next_due())
+            self.watchdogs.after_step()
             with self.clock.of(PROBES):
                 for probe in self.probes.values():
                     probe.add_step(state)
@@ -321,6 +333,7 @@ class _Run:
         return is_asked
 
     def _save_checkpoint(self) -> None:
+        self.watchdogs.before_save()
         start = perf_counter()
         with self.clock.of(WRITING):
             self.results.flush()
@@ -338,28 +351,23 @@ class _Run:
         """Take one step that ends at or before a due time, s; return the solver's iterations."""
         state = self.state
         longest = self.scheme.stable_dt(state)
-        if longest < LEAST_STEP * self.case.time.largest_step:
-            raise DivergedError(
-                f"at t = {state.time:g} s, step {state.step}, the time step has fallen to "
-                f"{longest:.3g} s: a particle is too fast or the collision stress too stiff"
-            )
+        self.watchdogs.before_step(longest)
+        unsolved = NotConvergedError("a linear system")
         for _ in range(MOST_HALVINGS):
             steps = max(1, math.ceil((due - state.time) / longest * (1.0 - 1e-12)))
             dt = (due - state.time) / steps
             try:
                 iterations = self.scheme.step(state, dt)
             except NotConvergedError as error:
-                LOG.warning("%s not solved at t = %g s, dt = %g s; halved", error, state.time, dt)
-                longest = 0.5 * dt
+                self.watchdogs.halved(error, dt)
+                unsolved, longest = error, 0.5 * dt
                 continue
-            state.time = due if steps == 1 else state.time + dt
+            is_last = steps == 1 or (steps - 1) * dt < LEAST_REST * self.case.time.largest_step
+            state.time = due if is_last else state.time + dt
             state.dt = dt
             state.step += 1
             return iterations
-        raise DivergedError(
-            f"at t = {state.time:g} s, step {state.step}, a linear system was not solved even with "
-            f"a time step of {longest:.3g} s"
-        )
+        raise self.watchdogs.not_solved(unsolved, dt)
 
     def write(self, iterations: int) -> None:
         """Write the outputs that are due at the time of the state."""
@@ -389,6 +397,7 @@ class _Run:
                 self.results.write_frame(self.state)
 
     def _write_history(self, iterations: int) -> None:
+        self.watchdogs.at_row()
         state, lattice, d0 = self.state, self.scheme.lattice, self.case.particles.spacing
         reached = None
         if self.case.is_terrain:

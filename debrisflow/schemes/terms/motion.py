@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase
 from debrisflow.errors import DivergedError
 from debrisflow.particles.inflow_outflow import advance_supply, remove_leaving, wrap
+from debrisflow.particles.place import moment, named_particle
 from debrisflow.particles.record import Particles
 from debrisflow.particles.releases import release_due
 from debrisflow.particles.supply import supply
@@ -93,6 +94,11 @@ class Motion(Term):
             return
         worst = int(np.argmin(np.isfinite(velocity).all(axis=1)))
         raise DivergedError(
-            f"at t = {state.time:g} s, step {state.step}, particle {p.id[worst]} at "
-            f"{p.position[worst, :axes]} m got the velocity {velocity[worst, :axes]} m/s"
+            f"{moment(state)}, {named_particle(self._case, state, worst)} got the velocity "
+            f"{velocity[worst, :axes]} m/s",
+            "a force on it had no finite value: particles on top of each other, a value of the "
+            "case far out of its range, or a time step too long for the scheme",
+            "look at the place in the particles at the failure; check the units of what stands "
+            "there (viscosity, friction, density, velocity of inflow or release), and try half of "
+            "time.largest_step",
         )

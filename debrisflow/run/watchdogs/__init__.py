@@ -1,0 +1,1 @@
+"""Watchdogs: they find faults of a run early and say what, where, why and what to do."""
