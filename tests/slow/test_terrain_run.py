@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -14,13 +15,16 @@ import rasterio
 from debrisflow._jit import set_threads
 from debrisflow.case import ResolvedCase, build_case
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
+from debrisflow.errors import DivergedError
 from debrisflow.particles.start import initial_state
+from debrisflow.particles.state import State
 from debrisflow.results import open_run
 from debrisflow.results.answers import answers
 from debrisflow.results.terrain_survey import survey_terrain
 from debrisflow.run import loop
 from debrisflow.run.tables import read_table
 from debrisflow.schemes.choice import scheme_of
+from debrisflow.schemes.explicit import Explicit
 
 UTM = rasterio.crs.CRS.from_epsg(32653).to_wkt()
 GRID = MapGrid(400_000.0, 3_900_000.0, 2.0, 50, 24, UTM)
@@ -72,6 +76,28 @@ def results(folder: Path) -> dict[str, bytes]:
     """Return the files that must not depend on how a run came to its end."""
     kept = [*folder.glob("*.csv"), *folder.glob("layers/*"), *folder.glob("vtu/*")]
     return {str(file.relative_to(folder)): file.read_bytes() for file in kept if file.is_file()}
+
+
+def test_faults_on_a_terrain_are_told_in_map_coordinates(
+    build: Build, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    step = Explicit.step
+
+    def step_and_spoil(scheme: Explicit, state: State, dt: float) -> int:
+        iterations = step(scheme, state, dt)
+        if state.step == 30:  # a hole in the ground; found when neighbors are sorted, at 40
+            state.particles.position[3, 2] -= 3.0
+        if state.step == 60:
+            state.released[0] += 1
+            state.entered[2] += 1
+        return iterations
+
+    monkeypatch.setattr(Explicit, "step", step_and_spoil)
+    with pytest.raises(DivergedError, match=r"ledger .*: 1 are missing; 0 at the start") as found:
+        loop.simulate(build(end=1.0), tmp_path / "run", threads=1)
+    assert re.search(r"at easting 4000\d\d\.\d\d, northing 39000\d\d\.", str(found.value))
+    told = (tmp_path / "run" / "run.log").read_text()
+    assert re.search(r"particle \d+ went through the ground at easting 4000\d\d\.", told)
 
 
 def test_an_interrupted_run_on_a_terrain_goes_on_bit_for_bit(

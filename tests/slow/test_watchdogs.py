@@ -85,8 +85,11 @@ class Gain(Term):
 
     name = "fault"
 
+    def __init__(self, factor: float) -> None:
+        self._factor = factor
+
     def act(self, step: Step) -> None:
-        step.velocity *= 1.3
+        step.velocity *= self._factor
 
 
 def with_term(term: Term) -> Spoil:
@@ -165,8 +168,10 @@ FAULTS = {
     "pressure": Fault(tank, solves_nothing, "the pressure equation was not solved .* n/n0 = "),
     "compressed": Fault(cube, is_soft, r"% of the particles are compressed by more than 25 %"),
     "crowded": Fault(tank, piles_up, r"\d+ % of the particles are crowded, n/n0 above 1.5"),
-    "energy": Fault(cube, with_term(Gain()), "more energy than gravity, inflow and moving walls"),
-    "energy 2D": Fault(tank, with_term(Gain()), "J/m more energy than gravity, inflow and"),
+    "energy": Fault(
+        cube, with_term(Gain(1.3)), "more energy than gravity, inflow and moving walls"
+    ),
+    "energy 2D": Fault(tank, with_term(Gain(1.1)), "J/m more energy than gravity, inflow and"),
     "lost and not counted": Fault(tank, loses_one, "ledger of particles .*: 1 are missing"),
     "counted and not there": Fault(cube, counts_one_too_many, "1 are missing; 216 at the start"),
     "there twice": Fault(cube, is_there_twice, "2 particles are there more than once"),
