@@ -280,12 +280,12 @@ class _Run:
 
         Returns the error with where the last good state is.
         """
+        LOG.error("%s", error)  # before anything is written, which may fail too
         failed = self.results.write_failed(self.state)
         self._conclude(error.what)
         kept = self.watchdogs.where_kept(failed)
-        found = DivergedError(error.what, error.cause, error.remedy, kept)
-        LOG.error("%s", found)
-        return found
+        LOG.info("%s", kept)
+        return DivergedError(error.what, error.cause, error.remedy, kept)
 
     def _loop(self) -> str:
         """Take steps until the end, and return why the run ended."""
