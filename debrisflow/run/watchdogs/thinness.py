@@ -70,7 +70,8 @@ class Thinness:
         axes = self._case.dimension - 1
         column = np.floor(position[:, :axes] / (CELL * d0)).astype(np.int64)
         column -= column.min(axis=0)
-        cell = np.ravel_multi_index(tuple(column.T), tuple(column.max(axis=0) + 1))
+        code = np.ravel_multi_index(tuple(column.T), tuple(column.max(axis=0) + 1))
+        _, cell = np.unique(code, return_inverse=True)  # a wide terrain has more cells than fluid
         count, moving = np.bincount(cell), np.bincount(cell[moves], minlength=cell.max() + 1)
         flows, thin = moving > 0, (moving > 0) & (count < CELL**axes)
         if not thin.any():
