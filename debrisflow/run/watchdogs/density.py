@@ -22,7 +22,7 @@ DOUBTFUL_COMPRESSION, MOST_COMPRESSION = 0.1, 0.25
 and the end.  The greatest in the shipped cases is 0.041, in a cube that falls apart."""
 MOST_CROWDED, MANY = 1.5, 0.1
 """n/n0, and the share of the particles that may exceed it: where a hydrograph releases a slab, some
-are born close to others.  In the shipped cases 1.1 % exceed it there, elsewhere no particle."""
+are born close to others.  In the shipped cases 1.2 % exceed it there, elsewhere no particle."""
 
 
 class DensityBounds:
