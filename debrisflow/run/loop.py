@@ -19,18 +19,23 @@ from debrisflow.errors import CaseError, DivergedError, Interrupted, NotConverge
 from debrisflow.particles.releases import is_pending, waiting
 from debrisflow.particles.start import initial_state
 from debrisflow.particles.state import State
+from debrisflow.run.bar import Bar
 from debrisflow.run.checkpoint import Checkpoint, Origin, check_fits
-from debrisflow.run.folder import CASE, RunFolder, read_summary
+from debrisflow.run.events import AT_REST, EMPTY, END_OF_TIME, INTERRUPTED, Listener
+from debrisflow.run.folder import RunFolder, read_summary
 from debrisflow.run.history import history_row
 from debrisflow.run.layer_recorder import recorder_of
 from debrisflow.run.ledger import ledger_row
+from debrisflow.run.listeners import Listeners
 from debrisflow.run.lock import locked
 from debrisflow.run.measures import deposit_profile, flow
+from debrisflow.run.names import CASE
 from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
 from debrisflow.run.schedule import Schedule
+from debrisflow.run.status import StatusFile
 from debrisflow.run.stop import StopRule
 from debrisflow.run.stop_signals import StopSignals
 from debrisflow.run.summary import summary
@@ -43,13 +48,14 @@ LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
 LEAST_STEP = 1.0e-5  # of the largest step that the case allows
 FEWEST_PARTICLES_A_THREAD = 4000
-MOST_SAVING = 0.02  # of the wall time, for checkpoints by wall time
-INTERRUPTED = "interrupted"
-ENDED, EMPTY, AT_REST = "end of the simulated time", "no fluid is left", "at rest"
 
 
 def simulate(
-    case: ResolvedCase, folder: Path | str, threads: int | None = None, overwrite: bool = False
+    case: ResolvedCase,
+    folder: Path | str,
+    threads: int | None = None,
+    overwrite: bool = False,
+    on_event: Listener | None = None,
 ) -> dict[str, Any]:
     """Compute a case and write its results into a folder.
 
@@ -61,6 +67,10 @@ def simulate(
         Holds the results afterwards; refused if it holds some already, unless ``overwrite``.
     threads : int, optional
         As many as the case can use by default; the result does not depend on it.
+    overwrite : bool
+    on_event : callable, optional
+        Called with each event, a dict, as :mod:`debrisflow.run.events` lists them, about once a
+        second; instead of a bar.
 
     Returns
     -------
@@ -76,8 +86,12 @@ def simulate(
     with clock.of(START_UP):
         state = initial_state(case)
         probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
-    with locked(folder), RunFolder.create(folder, case, overwrite) as results:
-        return _begin(case, results, state, probes, clock, threads)
+    with (
+        Listeners([StatusFile(folder), on_event or Bar()]) as listeners,
+        locked(folder),
+        RunFolder.create(folder, case, overwrite) as results,
+    ):
+        return _begin(case, results, state, probes, clock, threads, listeners)
 
 
 def _begin(
@@ -87,9 +101,10 @@ def _begin(
     probes: dict[str, Sampler],
     clock: Clock,
     threads: int | None,
+    listeners: Listeners,
 ) -> dict[str, Any]:
     """Compute a case from its start, in a folder without results."""
-    with Progress(case, state, clock) as shown:
+    with Progress(case, state, clock, listeners) as shown:
         with clock.of(START_UP):
             run = _Run(case, results, state, probes, shown, threads)
             run.scheme.fill_number_density(state)
@@ -102,6 +117,7 @@ def resume(
     threads: int | None = None,
     until: float | None = None,
     accept_changes: bool = False,
+    on_event: Listener | None = None,
 ) -> dict[str, Any] | None:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`.
 
@@ -117,6 +133,8 @@ def resume(
     accept_changes : bool
         Go on although the case, a file that it names or the program is not what it was: the
         results are then those of no single case.
+    on_event : callable, optional
+        As for :func:`simulate`.
 
     Raises
     ------
@@ -128,7 +146,7 @@ def resume(
             f"began; start it with: debrisflow run CASE -o {folder}"
         )
     clock = Clock()
-    with locked(folder):
+    with Listeners([StatusFile(folder), on_event or Bar()]) as listeners, locked(folder):
         case = load_case(folder / CASE, [] if until is None else [f"time.end={until!r}"])
         if _has_ended(case, read_summary(folder)):
             return None
@@ -145,8 +163,8 @@ def resume(
             if kept is None:
                 LOG.info("there is no checkpoint: the run begins anew")
                 results.rewind(-math.inf)
-                return _begin(case, results, state, probes, clock, threads)
-            with Progress(case, state, clock) as shown:
+                return _begin(case, results, state, probes, clock, threads, listeners)
+            with Progress(case, state, clock, listeners) as shown:
                 with clock.of(START_UP):
                     results.rewind(state.time)
                     LOG.info("resumed at t = %g s, step %d", state.time, state.step)
@@ -190,7 +208,7 @@ def _has_ended(case: ResolvedCase, before: dict[str, Any]) -> bool:
     reason = before.get("end_reason")
     if reason == AT_REST:
         return case.time.stop_energy is not None and before["energy_share"] < case.time.stop_energy
-    return reason == EMPTY or (reason == ENDED and before["time"] >= case.time.end)
+    return reason == EMPTY or (reason == END_OF_TIME and before["time"] >= case.time.end)
 
 
 def use_threads(state: State, given: int | None) -> int:
@@ -230,7 +248,7 @@ class _Run:
             self.checkpoints = Schedule(output.checkpoint_interval, start, end)
         self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
         self.recorder = recorder_of(case)
-        self._origin, self._saved, self._saving = _origin(case), perf_counter(), 0.0
+        self._origin, self._saved = _origin(case), perf_counter()
         self._checkpoint_is_due = self._is_at_rest = False
         self._signals = StopSignals()
         LOG.info(
@@ -299,7 +317,7 @@ class _Run:
             if self._is_at_rest:
                 self._write_last()
                 return AT_REST
-        return ENDED
+        return END_OF_TIME
 
     def _record(self, dt: float) -> None:
         """Take the flow after a step of a length, s, into the layers of a map."""
@@ -315,18 +333,18 @@ class _Run:
         if self.state.step % self.scheme.REFRESH != 0:
             return False
         is_asked = self._signals.received is not None
-        pause = max(self.case.output.checkpoint_wall_time, self._saving / MOST_SAVING)
-        if self._checkpoint_is_due or is_asked or perf_counter() - self._saved > pause:
+        waited = perf_counter() - self._saved
+        if self._checkpoint_is_due or is_asked or waited > self.case.output.checkpoint_wall_time:
             self._save_checkpoint()
         return is_asked
 
     def _save_checkpoint(self) -> None:
-        start = perf_counter()
         with self.clock.of(WRITING):
             self.results.flush()
             self.results.checkpoints.save(self.state, self._origin)
         self._saved, self._checkpoint_is_due = perf_counter(), False
-        self._saving = self._saved - start
+        self.progress.count_checkpoint()
+        LOG.debug("checkpoint at t = %g s", self.state.time)
 
     def _next_due(self) -> float:
         """Return the next time at which a step must end, s."""
@@ -355,6 +373,7 @@ class _Run:
             state.time = due if steps == 1 else state.time + dt
             state.dt = dt
             state.step += 1
+            LOG.debug("step %d: t = %g s, dt = %g s", state.step, state.time, dt)
             return iterations
         raise DivergedError(
             f"at t = {state.time:g} s, step {state.step}, a linear system was not solved even with "
@@ -439,7 +458,7 @@ class _Run:
 
     def _conclude(self, reason: str) -> dict[str, Any]:
         """Write the maxima and the summary, and return the summary."""
-        state = self.state
+        state, self.progress.reason = self.state, reason
         lost = int(state.through_wall.sum())
         if lost:
             LOG.warning("%d particles went through a wall", lost)
