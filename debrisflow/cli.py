@@ -13,10 +13,13 @@ from typing import Any
 import click
 
 from debrisflow import __version__
+from debrisflow.console import LEVELS, RESULT, listener, logging_from, print_error, print_json
 from debrisflow.errors import DebrisflowError, Interrupted
 from debrisflow.particles.arrays import COLORED
 
 INTERRUPTED = 130  # the exit code of a shell
+AS_JSON = "debrisflow.as_json"
+GOES_ON = "the run goes on with: debrisflow resume RUN"
 MOST_BOUNCED = 0.001  # share of the particles in a step, above which a note is printed
 _PATH = click.Path(path_type=Path)
 
@@ -25,18 +28,42 @@ class Commands(click.Group):
     """Commands that print errors in plain words and return an exit code for each class."""
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run a command; an error meant for the user becomes its message and exit code."""
+        """Run a command; an error meant for the user becomes its message and exit code.
+
+        With ``--json`` it is printed as an object too, as is any other error.
+        """
+        tell = print_error if ctx.meta[AS_JSON] else _say_nothing
         try:
             with _sigterm_as_interrupt():
                 return super().invoke(ctx)
         except DebrisflowError as error:
             click.echo(error, err=True)
+            tell(error, error.exit_code, str(error))
             ctx.exit(error.exit_code)
         except KeyboardInterrupt as stop:
             goes_on = ctx.invoked_subcommand in ("run", "resume")
-            how = "; the run goes on with: debrisflow resume RUN" if goes_on else ""
-            click.echo(f"interrupted{how}", err=True)
-            ctx.exit(stop.exit_code if isinstance(stop, Interrupted) else INTERRUPTED)
+            message = "interrupted" + (f"; {GOES_ON}" if goes_on else "")
+            code = stop.exit_code if isinstance(stop, Interrupted) else INTERRUPTED
+            click.echo(message, err=True)
+            tell(stop, code, message)
+            ctx.exit(code)
+        except click.ClickException as error:
+            tell(error, error.exit_code, error.format_message())
+            raise
+        except click.exceptions.Exit:
+            raise
+        except Exception as error:
+            tell(error, 1, f"a fault of the program: {error}")
+            raise
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Note whether the answer is to be JSON, since the options themselves may be wrong."""
+        ctx.meta[AS_JSON] = "--json" in args
+        return super().parse_args(ctx, args)
+
+
+def _say_nothing(*_: object) -> None:
+    """Print no error a second time."""
 
 
 @contextmanager
@@ -145,6 +172,28 @@ _language = click.option(
 )
 
 
+_as_json = click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
+
+
+def _shown(command: Callable[..., None]) -> Callable[..., None]:
+    """Add the options on what is shown of a run that goes on."""
+    for option in (
+        click.option(
+            "--log-level",
+            type=click.Choice(LEVELS),
+            default="info",
+            show_default=True,
+            help="Level from which on messages are kept in run.log.",
+        ),
+        click.option("--quiet", is_flag=True, help="Print nothing but warnings and errors."),
+        click.option(
+            "--json", "as_json", is_flag=True, help="Print progress and result as lines of JSON."
+        ),
+    ):
+        command = option(command)
+    return command
+
+
 @click.group(cls=Commands)
 @click.version_option(__version__, prog_name="debrisflow")
 def main() -> None:
@@ -166,24 +215,34 @@ def main() -> None:
     type=_PATH,
     help="Draw terrain, releases, zones, obstacles and probes of a case on a terrain.",
 )
-def check(case: Path, overrides: tuple[str, ...], measure: bool, picture: Path | None) -> None:
+@_as_json
+def check(
+    case: Path, overrides: tuple[str, ...], measure: bool, picture: Path | None, as_json: bool
+) -> None:
     """Validate CASE and print a forecast of its run."""
     from debrisflow.case import load_case
-    from debrisflow.run.forecast import forecast
+    from debrisflow.run.forecast import figures, forecast
     from debrisflow.run.pace import last_pace
 
     checked = load_case(case, overrides)
-    click.echo(f"{case}: {checked.title}")
+    if not as_json:
+        click.echo(f"{case}: {checked.title}")
     pace = last_pace(checked)
     if measure:
         from debrisflow.run.trial import measured_pace
 
         pace = measured_pace(checked)
-    click.echo(forecast(checked, pace))
+    found = forecast(checked, pace)
+    if not as_json:
+        click.echo(found)
     if picture is not None:
         from debrisflow.results.maps.plan import draw_case
 
-        _print_files([draw_case(checked, picture)])
+        drawn = draw_case(checked, picture)
+        if not as_json:
+            _print_files([drawn])
+    if as_json:
+        print_json({"event": RESULT, "title": checked.title} | figures(found))
 
 
 @main.command()
@@ -192,22 +251,33 @@ def check(case: Path, overrides: tuple[str, ...], measure: bool, picture: Path |
 @_threads
 @click.option("-o", "--output", type=_PATH, help="Folder of the results; runs/NAME if left out.")
 @click.option("--overwrite", is_flag=True, help="Replace the results that the folder holds.")
+@_shown
 def run(
     case: Path,
     overrides: tuple[str, ...],
     threads: int | None,
     output: Path | None,
     overwrite: bool,
+    as_json: bool,
+    quiet: bool,
+    log_level: str,
 ) -> None:
     """Compute CASE and write its results into a folder."""
     from debrisflow.case import load_case
+
+    told = listener(as_json, quiet)
 
     checked = load_case(case, overrides)  # before the import of the solver, which takes a second
 
     from debrisflow.run.loop import simulate
 
     folder = output or Path("runs") / case.stem
-    _print_summary(simulate(checked, folder, threads=threads, overwrite=overwrite), folder)
+    with logging_from(log_level):
+        summary = simulate(checked, folder, threads, overwrite, on_event=told)
+    if as_json:
+        _print_result(summary, folder)
+    elif not quiet:
+        _print_summary(summary, folder)
 
 
 @main.command()
@@ -219,30 +289,64 @@ def run(
     is_flag=True,
     help="Go on although the case, its files or the program have changed since.",
 )
-def resume(folder: Path, threads: int | None, until: float | None, accept_changes: bool) -> None:
+@_shown
+def resume(
+    folder: Path,
+    threads: int | None,
+    until: float | None,
+    accept_changes: bool,
+    as_json: bool,
+    quiet: bool,
+    log_level: str,
+) -> None:
     """Continue the run in the folder RUN from its last checkpoint.
 
     Without a checkpoint it begins anew.
     """
+    told = listener(as_json, quiet)
+
+    from debrisflow.run.folder import read_summary
     from debrisflow.run.loop import resume
 
-    summary = resume(folder, threads, until, accept_changes)
-    if summary is None:
+    with logging_from(log_level):
+        summary = resume(folder, threads, until, accept_changes, on_event=told)
+    if as_json:
+        _print_result(summary or read_summary(folder), folder)
+    elif quiet:
+        return
+    elif summary is None:
         click.echo(f"{folder} has come to its end; nothing is changed")
     else:
         _print_summary(summary, folder)
 
 
+@main.command()
+@_results
+@_as_json
+def status(folder: Path, as_json: bool) -> None:
+    """Tell where the run in the folder RUN is, and how it goes on."""
+    from debrisflow.run.folder_status import status_of
+    from debrisflow.run.status_lines import status_lines
+
+    found = status_of(folder)
+    if as_json:
+        print_json({"event": RESULT} | found)
+        return
+    for line in status_lines(found):
+        click.echo(line)
+
+
+def _print_result(summary: dict[str, Any], folder: Path) -> None:
+    print_json({"event": RESULT, "folder": str(folder)} | summary)
+
+
 def _print_summary(summary: dict[str, Any], folder: Path) -> None:
-    lost = sum(summary["through_wall"].values())
     compiled = summary["compile_seconds"]
     once = f" and {compiled:.0f} s of compiling kernels, once" if compiled >= 1.0 else ""
     click.echo(
         f"{summary['end_reason']}: t = {summary['time']:g} s after {summary['steps']} steps, "
         f"{summary['wall_seconds']:.0f} s of wall time{once}; results in {folder}"
     )
-    if lost:
-        click.echo(f"warning: {lost} particles went through a wall", err=True)
     bounced = summary.get("bounced_share", 0.0)
     if bounced > MOST_BOUNCED:
         click.echo(
@@ -506,10 +610,16 @@ def schema() -> None:
     is_flag=True,
     help="Also compile all kernels into the cache folder, which takes minutes.",
 )
-def info(with_kernels: bool) -> None:
+@_as_json
+def info(with_kernels: bool, as_json: bool) -> None:
     """Print versions, cores, threading layer and cache folder."""
     from debrisflow.about import HOW_TO_SHARE, about
 
+    if as_json and with_kernels:
+        raise click.UsageError("--compile has no answer as JSON; give one of them")
+    if as_json:
+        print_json({"event": RESULT} | about())
+        return
     for name, value in about().items():
         click.echo(f"{name:<16} {value}")
     if with_kernels:
