@@ -129,7 +129,7 @@ class Progress:
             "host": socket.gethostname(),
             "process": os.getpid(),
             "threads": threads(),
-            "begin": -self._case.time.settling,
+            "begin": 0.0 - self._case.time.settling,  # not -0.0
             "time": state.time,
             "end": self._case.time.end,
             "step": state.step,

@@ -73,7 +73,7 @@ def _speed(status: Mapping[str, Any]) -> str:
     if not status["rate"] or status["speed"] is None:
         return ""
     return (
-        f"{status['speed']:.3g} s a second, {status['rate']:.2g} particle-steps/s; "
+        f"{status['speed']:.3g} s of the flow a second, {status['rate']:.2g} particle-steps/s; "
         f"{duration(status['wall_seconds'] or 0.0)} so far"
     )
 
