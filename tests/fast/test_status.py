@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from debrisflow import simulate
 from debrisflow.cli import main
-from debrisflow.console import JsonLines
+from debrisflow.commands.console import JsonLines
 from debrisflow.errors import DivergedError
 from debrisflow.particles.start import initial_state
 from debrisflow.run.events import FIELDS

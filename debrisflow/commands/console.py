@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import click
@@ -64,3 +65,9 @@ def logging_from(level: str) -> Iterator[None]:
         yield
     finally:
         log.setLevel(before)
+
+
+def print_files(files: Sequence[Path]) -> None:
+    """Say which files were written."""
+    for file in files:
+        click.echo(f"wrote {file}")
