@@ -137,13 +137,13 @@ def _last_row(path: Path) -> dict[str, Any]:
 
 def _text(path: Path, from_end: bool = False) -> str:
     """Return the text of a file, or what is at its end; empty if it is not there."""
+    if not path.is_file():
+        return ""
     try:
         with path.open("rb") as file:
             if from_end:
                 file.seek(max(0, os.fstat(file.fileno()).st_size - GREATEST_SIZE))
             return file.read(GREATEST_SIZE).decode("utf-8", errors="replace")
-    except FileNotFoundError:
-        return ""
     except OSError as error:
         raise OutputError(f"{path} cannot be read: {error.strerror}") from error
 

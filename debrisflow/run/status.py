@@ -59,14 +59,14 @@ def read_status(folder: Path) -> dict[str, Any] | None:
         If it cannot be read or is damaged.
     """
     path = folder / STATUS
+    if not path.is_file():
+        return None
     try:
         with path.open(encoding="utf-8") as file:
             text = file.read(GREATEST_SIZE)
         if not text:
             return None  # left by a loss of power
         status = json.loads(text)
-    except FileNotFoundError:
-        return None
     except OSError as error:
         raise OutputError(f"{path} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
@@ -84,7 +84,9 @@ def fits(value: Any, field: Field) -> bool:
     if value is None:
         return True
     if field.type is dict:
-        return isinstance(value, dict) and all(_is_number(value.get(name)) for name in LEDGER)
+        return isinstance(value, dict) and all(
+            name in value and (value[name] is None or _is_number(value[name])) for name in LEDGER
+        )
     if field.type is float:
         return _is_number(value)
     if field.type is int:

@@ -95,7 +95,10 @@ def _checkpoint(status: Mapping[str, Any]) -> str:
 def _ledger(ledger: Mapping[str, float] | None, unit: str) -> str:
     if ledger is None:
         return ""
-    initial, entered, released, inside, left, lost, _ = (f"{ledger[name]:,.6g}" for name in LEDGER)
+    values = (ledger[name] for name in LEDGER)
+    initial, entered, released, inside, left, lost, _ = (
+        "?" if value is None else f"{value:,.6g}" for value in values
+    )
     return (
         f"{initial} initial + {entered} entered + {released} released = "
         f"{inside} inside + {left} left + {lost} lost{unit}"

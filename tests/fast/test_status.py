@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from datetime import UTC, datetime, timedelta
@@ -212,12 +213,28 @@ def test_a_damaged_file_is_an_error_for_people(done, text):
     assert "Traceback" not in result.stderr
 
 
+def test_numbers_that_are_none_are_left_out(done):
+    ledger = read_status(done)["ledger_mass"] | {"inside": None}
+    change(done, time=None, dt=None, rate=None, ledger_mass=ledger)
+
+    _, text = seen(done)
+
+    assert " = ? inside + " in text
+    assert "\ntime" not in text
+
+
+def test_what_is_no_file_is_not_waited_for(done):
+    (done / "status.json").unlink()
+    os.mkfifo(done / "status.json")
+    assert seen(done)[0]["state"] == "ended"
+
+
 def test_a_file_commands_no_terminal(done):
     change(done, state="failed", reason="\x1b[2Jgone\n\x07")
 
     _, text = seen(done)
 
-    assert "reason       [2Jgone  " in text.replace("reason      ", "reason      ")
+    assert "reason       [2Jgone  \n" in text
     assert "\x1b" not in text
 
 
