@@ -17,11 +17,11 @@ from debrisflow.cli import main
 from debrisflow.errors import CaseError, OutputError
 from debrisflow.run import checkpoint, loop
 from debrisflow.run.lock import is_locked, locked
-from debrisflow.run.names import CHECKPOINT, CHECKPOINT_BEFORE, LOCK
+from debrisflow.run.names import CHECKPOINT, CHECKPOINT_BEFORE, LOCK, STATUS
 from tests.building import bed_case, tank_case
 
 OUTPUT = {"interval": 0.05, "checkpoint_interval": 0.03}
-NOT_COMPARED = {"run.log", "summary.json", CHECKPOINT, CHECKPOINT_BEFORE}
+NOT_COMPARED = {"run.log", "summary.json", STATUS, CHECKPOINT, CHECKPOINT_BEFORE}
 
 
 def bed(end=0.15, **output):
