@@ -77,10 +77,11 @@ def _state(status: Status, held: bool | None) -> str:
 
 
 def _lives(process: int) -> bool:
-    if process <= 0:
-        return False
+    """Return whether there is such a process here; it is assumed where asking would end it."""
+    if process <= 0 or os.name == "nt":
+        return process > 0
     try:
-        os.kill(process, 0)
+        os.kill(process, 0)  # sends nothing
     except ProcessLookupError:
         return False
     except (OSError, OverflowError):  # it belongs to somebody else
