@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from math import ceil
 from typing import Any
@@ -184,14 +185,9 @@ class Forecast:
         between = least if least == most else f"{least} to {most}"
         return f"{between} at {self.pace}"
 
-    @property
-    def warnings(self) -> list[str]:
-        """What is doubtful about the case and its probes."""
-        probes = [f"{', '.join(names)}: {text}" for text, names in self.poor.items()]
-        return [*probes, *self.doubts]
-
     def _warnings(self) -> str:
-        return "".join(f"\nwarning        {text}" for text in self.warnings)
+        probes = [f"{', '.join(names)}: {text}" for text, names in self.poor.items()]
+        return "".join(f"\nwarning        {text}" for text in (*probes, *self.doubts))
 
 
 def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
@@ -251,6 +247,7 @@ def _poor(case: ResolvedCase) -> dict[str, list[str]]:
 def figures(found: Forecast) -> dict[str, Any]:
     """Return the figures of a forecast by name, as ``debrisflow check --json`` prints them."""
     least, most = found.wall_time or (None, None)
+    lines = (re.split(r"( +)", line, maxsplit=1) for line in str(found).splitlines() if " " in line)
     return {
         "particles": sum(found.counts.values()),
         "counts": found.counts,
@@ -265,7 +262,7 @@ def figures(found: Forecast) -> dict[str, Any]:
         "memory": found.memory,
         "disk": found.disk,
         "frames": found.frames,
-        "warnings": found.warnings,
+        "warnings": [text for word, _, text in lines if word == "warning"],
         "built": [str(line) for line in found.rounded],
     }
 

@@ -223,7 +223,10 @@ def test_a_function_takes_the_place_of_the_bar(tmp_path, capsys):
 def test_a_check_and_facts_are_one_object(channel):
     result = CliRunner().invoke(main, ["check", str(channel), "--json", *DOUBTFUL])
 
+    text = CliRunner().invoke(main, ["check", str(channel), *DOUBTFUL]).stdout
+
     (answer,) = lines(result.stdout)
+    assert len(answer["warnings"]) == text.count("\nwarning ")
     assert answer.pop("event") == "result"
     page = PAGE.read_text(encoding="utf-8")
     rows = page.partition("field of `check --json`")[2].partition("\n\n")[0]
@@ -234,6 +237,8 @@ def test_a_check_and_facts_are_one_object(channel):
     assert answer["memory"] > 0
     assert answer["steps"] >= answer["fewest_steps"] > 0
     assert any(DOUBT in line for line in answer["warnings"])
+
+    assert all(f"warning        {line}\n" in f"{text}\n" for line in answer["warnings"])
 
     (facts,) = lines(CliRunner().invoke(main, ["info", "--json"]).stdout)
     assert facts["event"] == "result"
