@@ -2,7 +2,8 @@
 
 python scripts/docs.py [--check]
 
-Generated are the tables of ``docs/case_file.md``, from the schema of a case, and the pages in
+Generated are the tables of ``docs/case_file.md``, from the schema of a case, those of
+``docs/run_folder.md`` and ``docs/long_runs.md``, and the pages in
 ``docs/cases``, from the shipped case files: the comment at the head of each, its values and its
 picture.
 """
@@ -21,6 +22,8 @@ import click
 
 from debrisflow.case import case_schema
 from debrisflow.particles.arrays import ARRAYS
+from debrisflow.run.events import FIELDS
+from debrisflow.run.folder_status import MORE_FIELDS, SEEN
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -80,6 +83,7 @@ def pages() -> dict[Path, str]:
     written = {
         DOCS / "case_file.md": renewed("case_file.md", sections(schema)),
         DOCS / "run_folder.md": renewed("run_folder.md", arrays()),
+        DOCS / "long_runs.md": renewed("long_runs.md", status_fields()),
     }
     cases = {path.stem: path for path in sorted(CASES.glob("*.toml"))}
     for name, path in cases.items():
@@ -104,6 +108,20 @@ def arrays() -> Iterator[str]:
     yield "|---|---|---|"
     for array in ARRAYS:
         yield f"| `{array.name}` | {array.unit} | {array.meaning} |"
+
+
+def status_fields() -> Iterator[str]:
+    """Yield the tables of the fields of ``status.json``, and of ``debrisflow status``."""
+    yield "| field | unit | meaning |"
+    yield "|---|---|---|"
+    for field in FIELDS:
+        yield f"| `{field.name}` | {field.unit} | {field.meaning} |"
+    seen = "; ".join(f"`{state}`: {meaning}" for state, meaning in SEEN.items())
+    yield f"\n`debrisflow status --json` adds these; its `state` may also be one of: {seen}.\n"
+    yield "| field | unit | meaning |"
+    yield "|---|---|---|"
+    for field in MORE_FIELDS:
+        yield f"| `{field.name}` | {field.unit} | {field.meaning} |"
 
 
 def sections(schema: dict[str, Any]) -> Iterator[str]:

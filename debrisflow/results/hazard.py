@@ -23,9 +23,9 @@ from debrisflow.errors import OutputError
 from debrisflow.results.hazard_classes import Classes
 from debrisflow.results.layers import read_layer
 from debrisflow.run.atomic import replaced_files
-from debrisflow.run.folder import POSTPROCESS
 from debrisflow.run.layer_styles import palette
 from debrisflow.run.layers import ENDINGS, polygons_of
+from debrisflow.run.names import POSTPROCESS
 from debrisflow.run.tables import write_table
 
 LINE = 100  # letters

@@ -20,7 +20,7 @@ from debrisflow.results.reader import Run
 from debrisflow.results.station_figures import figure
 from debrisflow.results.words import Words
 from debrisflow.run.atomic import replaced
-from debrisflow.run.folder import PICTURES, POSTPROCESS
+from debrisflow.run.names import PICTURES, POSTPROCESS
 
 FILE = "report.html"
 RUNNING = "still running, or interrupted"

@@ -30,7 +30,7 @@ from debrisflow.results.references import (
 from debrisflow.results.shared_answers import Answer
 from debrisflow.results.survey import AnySurvey, Survey
 from debrisflow.results.terrain_survey import TerrainSurvey
-from debrisflow.run.folder import POSTPROCESS
+from debrisflow.run.names import POSTPROCESS
 from debrisflow.run.tables import Row, Table, write_table
 
 TOLD = {

@@ -22,17 +22,8 @@ from debrisflow.results.frames import Frame, read_frame
 from debrisflow.results.grids import read_grid
 from debrisflow.results.surfaces import Surface, free_surface
 from debrisflow.run import deposit, history, ledger, maxima
-from debrisflow.run.folder import (
-    CASE,
-    DEPOSIT,
-    FRAMES,
-    HISTORY,
-    LEDGER,
-    LOG,
-    MAXIMA,
-    PROBES,
-    read_summary,
-)
+from debrisflow.run.folder import read_summary
+from debrisflow.run.names import CASE, DEPOSIT, FRAMES, HISTORY, LEDGER, LOG, MAXIMA, PROBES
 from debrisflow.run.probes import columns_of
 from debrisflow.run.tables import Table, read_table, rows_where
 from debrisflow.run.vtu import read_collection

@@ -17,7 +17,7 @@ from shapely.ops import substring
 from debrisflow.case.rasters import Raster
 from debrisflow.results.plots.style import BLUE, RED, WIDTH, save, styled
 from debrisflow.results.score import Comparison, Row
-from debrisflow.run.folder import POSTPROCESS
+from debrisflow.run.names import POSTPROCESS
 from debrisflow.run.tables import write_table
 
 HEAD = (

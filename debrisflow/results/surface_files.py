@@ -7,7 +7,7 @@ from pathlib import Path
 from debrisflow.results.reader import BAR, Run
 from debrisflow.results.surfaces import free_surface
 from debrisflow.run.bar import bar
-from debrisflow.run.folder import POSTPROCESS, SURFACES
+from debrisflow.run.names import POSTPROCESS, SURFACES
 from debrisflow.run.vtu import write_collection, write_mesh
 
 

@@ -20,7 +20,7 @@ from debrisflow.results.references import Reference, distances_to_all
 from debrisflow.results.terrain_answers import terrain_answers
 from debrisflow.results.terrain_survey import TerrainSurvey
 from debrisflow.results.words import ENGLISH, Words
-from debrisflow.run.folder import MAPS
+from debrisflow.run.names import MAPS
 
 
 class Area(NamedTuple):

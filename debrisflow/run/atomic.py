@@ -14,10 +14,16 @@ UNFINISHED = ".unfinished"
 
 
 @contextmanager
-def replaced(path: Path) -> Iterator[Path]:
+def replaced(path: Path, is_flushed: bool = True) -> Iterator[Path]:
     """Yield a temporary name beside a path; at the end the file written there replaces the path.
 
     The folder is created if it does not exist.  If the block raises, the path is unchanged.
+
+    Parameters
+    ----------
+    path : Path
+    is_flushed : bool
+        Whether the file is to outlive a loss of power too, for which the disk is waited for.
 
     Raises
     ------
@@ -28,7 +34,8 @@ def replaced(path: Path) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield unfinished
-        _flush(unfinished)
+        if is_flushed:
+            _flush(unfinished)
         os.replace(unfinished, path)
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror or error}") from error

@@ -21,9 +21,9 @@ from debrisflow.particles.maxima import Maxima
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import replaced
+from debrisflow.run.names import CHECKPOINT, CHECKPOINT_BEFORE
 
 LOG = logging.getLogger(__name__)
-LAST, BEFORE = "checkpoint.h5", "checkpoint_before.h5"
 # the records in a state, by the names of its fields
 PARTS: dict[str, type[Any]] = {"particles": Particles, "maxima": Maxima, "layers": Layers}
 SUMS = "sums"
@@ -78,7 +78,7 @@ class Checkpoints:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.last, self.before = folder / LAST, folder / BEFORE
+        self.last, self.before = folder / CHECKPOINT, folder / CHECKPOINT_BEFORE
         self._is_last_sound = True
 
     def load(self) -> Checkpoint | None:

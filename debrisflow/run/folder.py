@@ -18,7 +18,7 @@ from debrisflow.case.content import content_of, digest_of
 from debrisflow.errors import OutputError
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
-from debrisflow.run.checkpoint import BEFORE, LAST, Checkpoints
+from debrisflow.run.checkpoint import Checkpoints
 from debrisflow.run.deposit import DepositWriter
 from debrisflow.run.grid_file import grid_files
 from debrisflow.run.history import HistoryWriter
@@ -27,6 +27,25 @@ from debrisflow.run.layers import DepthFrames, Origin, layer_files, write_layers
 from debrisflow.run.ledger import LedgerWriter
 from debrisflow.run.maxima import write_maxima
 from debrisflow.run.measures import DepositProfile
+from debrisflow.run.names import (
+    CASE,
+    CHECKPOINT,
+    CHECKPOINT_BEFORE,
+    DEPOSIT,
+    FAILURE,
+    FRAMES,
+    HISTORY,
+    LEDGER,
+    LOG,
+    MAPS,
+    MAXIMA,
+    PICTURES,
+    POSTPROCESS,
+    PROBES,
+    STATUS,
+    SUMMARY,
+    SURFACES,
+)
 from debrisflow.run.probe import ProbeOutput, is_probe_file
 from debrisflow.run.probes import sampler_of
 from debrisflow.run.tables import Row, Series
@@ -38,20 +57,6 @@ from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
 
-CASE = "case.toml"
-FRAMES = "particles.pvd"
-DEPOSIT = "deposit.csv"
-HISTORY = "history.csv"
-LEDGER = "ledger.csv"
-MAXIMA = "maxima.csv"
-SUMMARY = "summary.json"
-LOG = "run.log"
-FAILED = "failed.vtu"
-PROBES = "probes"
-POSTPROCESS = "postprocess"
-PICTURES = "render"
-MAPS = "maps"
-SURFACES = "surface.pvd"
 RESULTS = (
     CASE,
     FRAMES,
@@ -63,9 +68,10 @@ RESULTS = (
     MAXIMA,
     SUMMARY,
     LOG,
-    LAST,
-    BEFORE,
-    FAILED,
+    STATUS,
+    CHECKPOINT,
+    CHECKPOINT_BEFORE,
+    FAILURE,
 )
 MOVING = Path(OBSTACLES).stem  # folder of the obstacles that move
 DERIVED = (
@@ -140,7 +146,8 @@ class RunFolder:
             for probe in case.probe
         }
         self.log = logging.getLogger("debrisflow")
-        self.log.setLevel(logging.INFO)
+        if self.log.level == logging.NOTSET:
+            self.log.setLevel(logging.INFO)
         self._handler = logging.FileHandler(path / LOG, encoding="utf-8")
         self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
         self.log.addHandler(self._handler)
@@ -209,7 +216,7 @@ class RunFolder:
 
     def write_failed(self, state: State) -> Path:
         """Write all particles of a state that failed, and return the file."""
-        path = self.path / FAILED
+        path = self.path / FAILURE
         write_particles(path, state.particles)
         return path
 
@@ -283,7 +290,7 @@ class RunFolder:
             self._obstacles.drop_after(time)
         for table in self._tables():
             table.truncate_after(time)
-        for name in (MAXIMA, SUMMARY, FAILED):
+        for name in (MAXIMA, SUMMARY, FAILURE):
             (self.path / name).unlink(missing_ok=True)
 
     def detach_log(self) -> None:

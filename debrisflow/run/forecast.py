@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
 from debrisflow.particles.state import PHASES
+from debrisflow.run.duration import duration
 from debrisflow.run.ground_forecast import (
     AT_START,
     GroundForecast,
@@ -187,25 +190,6 @@ class Forecast:
         return "".join(f"\nwarning        {text}" for text in (*probes, *self.doubts))
 
 
-def duration(seconds: float) -> str:
-    """Return a time as people say it.
-
-    Examples
-    --------
-    >>> [duration(s) for s in (0.4, 49.0, 200.0, 9000.0, 1.0e6)]
-    ['1 s', '49 s', '3.3 min', '2.5 h', '12 days']
-    """
-    for unit, length, most in (("s", 1.0, 90.0), ("min", 60.0, 90.0), ("h", 3600.0, 48.0)):
-        number = seconds / length
-        if number < most:
-            return (
-                f"{number:.1f} {unit}"
-                if unit != "s" and number < 10
-                else f"{max(number, 1.0):.0f} {unit}"
-            )
-    return f"{seconds / 86400.0:.0f} days"
-
-
 def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
     """Return the figures of a checked case.
 
@@ -258,6 +242,29 @@ def _poor(case: ResolvedCase) -> dict[str, list[str]]:
         if text := probe.warning(case.particles.spacing):
             found.setdefault(text, []).append(probe.name)
     return found
+
+
+def figures(found: Forecast) -> dict[str, Any]:
+    """Return the figures of a forecast by name, as ``debrisflow check --json`` prints them."""
+    least, most = found.wall_time or (None, None)
+    lines = (re.split(r"( +)", line, maxsplit=1) for line in str(found).splitlines() if " " in line)
+    return {
+        "particles": sum(found.counts.values()),
+        "counts": found.counts,
+        "rows": found.rows,
+        "first_step": found.first_step,
+        "smallest_step": found.smallest_step,
+        "largest_speed": found.largest_speed,
+        "fewest_steps": found.fewest_steps,
+        "steps": found.steps,
+        "least_wall_seconds": least,
+        "wall_seconds": most,
+        "memory": found.memory,
+        "disk": found.disk,
+        "frames": found.frames,
+        "warnings": [text for word, _, text in lines if word == "warning"],
+        "built": [str(line) for line in found.rounded],
+    }
 
 
 def _sound(case: ResolvedCase, speed: float, fall: float) -> Sound | None:

@@ -9,8 +9,8 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from debrisflow.errors import OutputError
+from debrisflow.run.names import LOCK
 
-LOCK = "run.lock"
 PATIENCE = 1.0  # s, for a process that only looks whether there is a run
 
 
@@ -42,8 +42,8 @@ def locked(folder: Path) -> Iterator[None]:
         lock.release()
 
 
-def is_locked(folder: Path) -> bool:
-    """Return whether a process is running in a folder."""
+def is_locked(folder: Path) -> bool | None:
+    """Return whether a process is running in a folder; None where that cannot be found out."""
     if not (folder / LOCK).exists():
         return False
     lock = FileLock(folder / LOCK, timeout=0.0)
@@ -52,6 +52,6 @@ def is_locked(folder: Path) -> bool:
     except Timeout:
         return True
     except (OSError, NotImplementedError):
-        return False
+        return None
     lock.release()
     return False

@@ -19,18 +19,23 @@ from debrisflow.errors import CaseError, DivergedError, Interrupted, NotConverge
 from debrisflow.particles.releases import is_pending, waiting
 from debrisflow.particles.start import initial_state
 from debrisflow.particles.state import State
+from debrisflow.run.bar import Bar
 from debrisflow.run.checkpoint import Checkpoint, Origin, check_fits
-from debrisflow.run.folder import CASE, RunFolder, read_summary
+from debrisflow.run.events import AT_REST, EMPTY, END_OF_TIME, INTERRUPTED, Listener
+from debrisflow.run.folder import RunFolder, read_summary
 from debrisflow.run.history import history_row
 from debrisflow.run.layer_recorder import recorder_of
 from debrisflow.run.ledger import ledger_row
+from debrisflow.run.listeners import Listeners
 from debrisflow.run.lock import locked
 from debrisflow.run.measures import deposit_profile, flow
+from debrisflow.run.names import CASE
 from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
 from debrisflow.run.schedule import Schedule
+from debrisflow.run.status import StatusFile
 from debrisflow.run.stop import StopRule
 from debrisflow.run.stop_signals import StopSignals
 from debrisflow.run.summary import summary
@@ -45,12 +50,14 @@ MOST_HALVINGS = 6
 LEAST_REST = 1.0e-6  # of the largest step; shorter rests of halved steps to a due time are dropped
 FEWEST_PARTICLES_A_THREAD = 4000
 MOST_SAVING = 0.02  # of the wall time, for checkpoints by wall time
-INTERRUPTED = "interrupted"
-ENDED, EMPTY, AT_REST = "end of the simulated time", "no fluid is left", "at rest"
 
 
 def simulate(
-    case: ResolvedCase, folder: Path | str, threads: int | None = None, overwrite: bool = False
+    case: ResolvedCase,
+    folder: Path | str,
+    threads: int | None = None,
+    overwrite: bool = False,
+    on_event: Listener | None = None,
 ) -> dict[str, Any]:
     """Compute a case and write its results into a folder.
 
@@ -62,6 +69,10 @@ def simulate(
         Holds the results afterwards; refused if it holds some already, unless ``overwrite``.
     threads : int, optional
         As many as the case can use by default; the result does not depend on it.
+    overwrite : bool
+    on_event : callable, optional
+        Called with each event, a dict, as :mod:`debrisflow.run.events` lists them, about once a
+        second; instead of a bar.
 
     Returns
     -------
@@ -77,8 +88,12 @@ def simulate(
     with clock.of(START_UP):
         state = initial_state(case)
         probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
-    with locked(folder), RunFolder.create(folder, case, overwrite) as results:
-        return _begin(case, results, state, probes, clock, threads)
+    with (
+        Listeners([StatusFile(folder), on_event or Bar()]) as listeners,
+        locked(folder),
+        RunFolder.create(folder, case, overwrite) as results,
+    ):
+        return _begin(case, results, state, probes, clock, threads, listeners)
 
 
 def _begin(
@@ -88,9 +103,10 @@ def _begin(
     probes: dict[str, Sampler],
     clock: Clock,
     threads: int | None,
+    listeners: Listeners,
 ) -> dict[str, Any]:
     """Compute a case from its start, in a folder without results."""
-    with Progress(case, state, clock) as shown:
+    with Progress(case, state, clock, listeners) as shown:
         with clock.of(START_UP):
             run = _Run(case, results, state, probes, shown, threads)
             run.scheme.fill_number_density(state)
@@ -103,6 +119,7 @@ def resume(
     threads: int | None = None,
     until: float | None = None,
     accept_changes: bool = False,
+    on_event: Listener | None = None,
 ) -> dict[str, Any] | None:
     """Continue the run of a folder from its last checkpoint; see :func:`simulate`.
 
@@ -118,6 +135,8 @@ def resume(
     accept_changes : bool
         Go on although the case, a file that it names or the program is not what it was: the
         results are then those of no single case.
+    on_event : callable, optional
+        As for :func:`simulate`.
 
     Raises
     ------
@@ -129,7 +148,7 @@ def resume(
             f"began; start it with: debrisflow run CASE -o {folder}"
         )
     clock = Clock()
-    with locked(folder):
+    with Listeners([StatusFile(folder), on_event or Bar()]) as listeners, locked(folder):
         case = load_case(folder / CASE, [] if until is None else [f"time.end={until!r}"])
         if _has_ended(case, read_summary(folder)):
             return None
@@ -146,8 +165,8 @@ def resume(
             if kept is None:
                 LOG.info("there is no checkpoint: the run begins anew")
                 results.rewind(-math.inf)
-                return _begin(case, results, state, probes, clock, threads)
-            with Progress(case, state, clock) as shown:
+                return _begin(case, results, state, probes, clock, threads, listeners)
+            with Progress(case, state, clock, listeners) as shown:
                 with clock.of(START_UP):
                     results.rewind(state.time)
                     LOG.info("resumed at t = %g s, step %d", state.time, state.step)
@@ -191,7 +210,7 @@ def _has_ended(case: ResolvedCase, before: dict[str, Any]) -> bool:
     reason = before.get("end_reason")
     if reason == AT_REST:
         return case.time.stop_energy is not None and before["energy_share"] < case.time.stop_energy
-    return reason == EMPTY or (reason == ENDED and before["time"] >= case.time.end)
+    return reason == EMPTY or (reason == END_OF_TIME and before["time"] >= case.time.end)
 
 
 def use_threads(state: State, given: int | None) -> int:
@@ -311,7 +330,7 @@ class _Run:
             if self._is_at_rest:
                 self._write_last()
                 return AT_REST
-        return ENDED
+        return END_OF_TIME
 
     def _record(self, dt: float) -> None:
         """Take the flow after a step of a length, s, into the layers of a map."""
@@ -340,6 +359,8 @@ class _Run:
             self.results.checkpoints.save(self.state, self._origin)
         self._saved, self._checkpoint_is_due = perf_counter(), False
         self._saving = self._saved - start
+        self.progress.count_checkpoint()
+        LOG.debug("checkpoint at t = %g s", self.state.time)
 
     def _next_due(self) -> float:
         """Return the next time at which a step must end, s."""
@@ -366,6 +387,7 @@ class _Run:
             state.time = due if is_last else state.time + dt
             state.dt = dt
             state.step += 1
+            LOG.debug("step %d: t = %g s, dt = %g s", state.step, state.time, dt)
             return iterations
         raise self.watchdogs.not_solved(unsolved, dt)
 
@@ -448,7 +470,7 @@ class _Run:
 
     def _conclude(self, reason: str) -> dict[str, Any]:
         """Write the maxima and the summary, and return the summary."""
-        state = self.state
+        state, self.progress.reason = self.state, reason
         lost = int(state.through_wall.sum())
         if lost:
             LOG.warning("%d particles went through a wall", lost)

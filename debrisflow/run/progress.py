@@ -1,28 +1,44 @@
-"""The progress bar of a run, its wall time by phase, and its rates."""
+"""The progress of a run: its wall time by phase, its rates, and the events that tell of it."""
 
 from __future__ import annotations
 
-from time import perf_counter
+import os
+import socket
+from datetime import UTC, datetime, timedelta
 from types import TracebackType
 from typing import Self
 
-from debrisflow._jit import COMPILATIONS
+from debrisflow import __version__
+from debrisflow._jit import COMPILATIONS, threads
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import State
-from debrisflow.run.bar import bar, pause
+from debrisflow.run.balance import Balance
+from debrisflow.run.events import (
+    CHECKPOINT,
+    COMPILING,
+    ENDED,
+    FAILED,
+    INTERRUPTED,
+    PROGRESS,
+    RUNNING,
+    START,
+    STARTING,
+    STOPPING,
+    Event,
+)
+from debrisflow.run.listeners import Listeners
 from debrisflow.run.work import TimeLeft
 from debrisflow.schemes.clock import Clock
 
 START_UP, WRITING, PROBES = "start-up", "writing", "probes"
-COMPILING, OTHER = "compiling", "other"
-BAR = "{percentage:3.0f}% |{bar:20}| {desc}"
+OTHER = "other"
 
 
 class Progress:
-    """Shows a run while it is open, and counts its seconds, steps and particles.
+    """Counts the seconds, steps and particles of a run, and tells listeners of them.
 
-    While kernels are compiled, which happens once for each version of the package, the bar says
-    so.  That time is in neither the time left nor the rates.
+    Compiling, which happens once for each version of the package, is a state of its own; that time
+    is in neither the time left nor the rates.
 
     Parameters
     ----------
@@ -31,6 +47,7 @@ class Progress:
         At the start of the run or of its continuation.
     clock : Clock
         Started with the run; phases of the step and of the run are added to it.
+    listeners : Listeners
 
     Attributes
     ----------
@@ -39,23 +56,24 @@ class Progress:
     steps : int
         Steps of this run, without those before it was continued.
     is_stopping : bool
-        Whether the run is only going on to where it can be resumed.
+        Whether the run is only going on to where it can be resumed; set by the loop.
+    reason : str
+        Why the run is over; set by the loop.
     """
 
-    def __init__(self, case: ResolvedCase, state: State, clock: Clock) -> None:
+    def __init__(
+        self, case: ResolvedCase, state: State, clock: Clock, listeners: Listeners
+    ) -> None:
         self.particle_steps = self.steps = 0
-        self.is_stopping = False
-        self.clock = clock
-        self._settling = case.time.settling
+        self.clock, self.is_stopping, self.reason = clock, False, ""
+        self._case, self._state, self._phase = case, state, STARTING
+        self._start_time = state.time
         self._left = TimeLeft(case, state.particles.fluid_count)
-        self._drawn = perf_counter()
+        self._balance = Balance(case, state)
         self._seen = COMPILATIONS.seconds
         self._compiled = self._seen - clock.compile_seconds
-        self._bar = bar(
-            total=case.time.end + self._settling,
-            initial=state.time + self._settling,
-            bar_format=BAR,
-        )
+        self._checkpoint: tuple[float, str] | None = None
+        self._listeners = listeners
 
     @property
     def seconds(self) -> float:
@@ -72,7 +90,7 @@ class Progress:
         return dict(self.clock) | {COMPILING: compiling, OTHER: other}
 
     def count(self, state: State) -> None:
-        """Count the step that led to a state, and show the state."""
+        """Count the step that led to a state."""
         number, was_compiling = state.particles.fluid_count, COMPILATIONS.seconds > self._seen
         self._seen = COMPILATIONS.seconds
         self.steps += 1
@@ -80,27 +98,60 @@ class Progress:
         written = self.clock.get(WRITING, 0.0)
         elapsed = self.seconds - written
         self._left.count(state.time, state.dt, number, elapsed, written, was_compiling)
-        left = self._left.seconds
-        self._bar.set_description_str(
-            ("stopping: " if self.is_stopping else "")
-            + f"t = {state.time:.3f} s, dt = {state.dt:.1e} s, {number} particles, "
-            f"{self.particle_steps / self.seconds:.2g} particle-steps/s"
-            + ("" if left is None else f", {self._bar.format_interval(left)} left"),
-            refresh=False,
-        )
-        self._bar.update(state.time + self._settling - self._bar.n)
+        before, self._phase = self._phase, STOPPING if self.is_stopping else RUNNING
+        self._tell(PROGRESS, at_once=self._phase != before)
+
+    def count_checkpoint(self) -> None:
+        """Note that a checkpoint of the present state was written."""
+        self._checkpoint = self._state.time, _iso(datetime.now(UTC))
+        self._tell(CHECKPOINT)
 
     def _show_compiling(self, seconds: float) -> None:
-        now = perf_counter()
-        if now - self._drawn >= pause():
-            self._drawn = now
-            self._bar.set_description_str(
-                f"compiling kernels, once, about a minute: {seconds - self._compiled:.0f} s so far"
-            )
+        before, self._phase = self._phase, COMPILING
+        compiling = seconds - self._compiled
+        self._tell(PROGRESS, before != COMPILING, compile_seconds=compiling)
+
+    def _tell(self, kind: str, at_once: bool = True, **newer: float) -> None:
+        self._listeners.tell(lambda: {"event": kind} | self._figures() | newer, at_once)
+
+    def _figures(self) -> Event:
+        """Return where the run is, by the names in ``FIELDS``."""
+        state, now = self._state, datetime.now(UTC)
+        left = self._left.seconds if self._phase == RUNNING else None
+        particles, mass = self._balance.of(state)
+        at, saved = self._checkpoint or (None, None)
+        return {
+            "state": self._phase,
+            "reason": self.reason,
+            "title": self._case.title,
+            "dimension": self._case.dimension,
+            "version": __version__,
+            "host": socket.gethostname(),
+            "process": os.getpid(),
+            "threads": threads(),
+            "begin": 0.0 - self._case.time.settling,  # not -0.0
+            "time": state.time,
+            "end": self._case.time.end,
+            "step": state.step,
+            "dt": state.dt,
+            "particles": state.particles.fluid_count,
+            "rate": self.particle_steps / self.seconds,
+            "speed": (state.time - self._start_time) / self.seconds,
+            "seconds_left": left,
+            "ends_at": None if left is None else _iso(now + timedelta(seconds=left)),
+            "wall_seconds": self.clock.seconds,
+            "compile_seconds": self.clock.compile_seconds,
+            "checkpoint_time": at,
+            "checkpoint_at": saved,
+            "ledger_particles": particles,
+            "ledger_mass": mass,
+            "updated": _iso(now),
+        }
 
     def __enter__(self) -> Self:
-        """Return the progress itself."""
+        """Tell the start."""
         COMPILATIONS.watcher = self._show_compiling
+        self._tell(START)
         return self
 
     def __exit__(
@@ -109,6 +160,15 @@ class Progress:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave the bar as it is."""
+        """Tell the end."""
         COMPILATIONS.watcher = None
-        self._bar.close()
+        self._phase = ENDED if error is None else FAILED
+        if isinstance(error, KeyboardInterrupt):
+            self._phase = INTERRUPTED
+        elif error is not None:
+            self.reason = str(error) or type(error).__name__
+        self._tell(PROGRESS)
+
+
+def _iso(time: datetime) -> str:
+    return time.isoformat(timespec="seconds")

@@ -10,8 +10,9 @@ from debrisflow._jit import THREADING_LAYER
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import PHASES, State
 from debrisflow.run import ledger
+from debrisflow.run.events import COMPILING
 from debrisflow.run.measures import energies, particle_volume
-from debrisflow.run.progress import COMPILING, Progress
+from debrisflow.run.progress import Progress
 
 
 def summary(

@@ -19,6 +19,7 @@ from debrisflow.particles.record import Kind
 from debrisflow.particles.start import initial_state
 from debrisflow.run.folder import RunFolder
 from debrisflow.run.history import COLUMNS, history_row
+from debrisflow.run.listeners import Listeners
 from debrisflow.run.measures import DepositProfile
 from debrisflow.run.progress import Progress
 from debrisflow.run.schedule import Schedule
@@ -222,7 +223,7 @@ def test_only_walls_that_are_surfaces_have_a_share_of_bounces(form, is_there):
     case = load_case("cases/hydrostatic2d.toml", [f"scheme.form='{form}'"])
     state = initial_state(case)
     state.bounces, state.particle_steps = 3, 12
-    with Progress(case, state, Clock()) as shown:
+    with Progress(case, state, Clock(), Listeners([])) as shown:
         figures = summary(case, state, "end", 1, shown)
     assert figures.get("bounced_share") == (0.25 if is_there else None)
 

@@ -11,8 +11,11 @@ import pytest
 from debrisflow import _jit, load_case, simulate
 from debrisflow._jit import COMPILATIONS
 from debrisflow.particles.start import initial_state
-from debrisflow.run import progress
-from debrisflow.run.progress import COMPILING, OTHER, START_UP, WRITING, Progress
+from debrisflow.run import listeners
+from debrisflow.run.bar import Bar
+from debrisflow.run.events import COMPILING
+from debrisflow.run.listeners import Listeners
+from debrisflow.run.progress import OTHER, START_UP, WRITING, Progress
 from debrisflow.run.work import speeds, step_at
 from debrisflow.schemes import clock
 from debrisflow.schemes.clock import Clock
@@ -24,7 +27,7 @@ class Time:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = 100.0
-        for module in (_jit, progress, clock):
+        for module in (_jit, listeners, clock):
             monkeypatch.setattr(module, "perf_counter", lambda: self.now)
 
     def compile_for(self, seconds: float) -> None:
@@ -47,7 +50,7 @@ def state():
 
 
 def test_compiling_is_told_and_counted_apart(time, state, capsys):
-    with Progress(tank_case(4, 4, "water"), state, Clock()) as shown:
+    with Progress(tank_case(4, 4, "water"), state, Clock(), Listeners([Bar()])) as shown:
         time.compile_for(80.0)
         time.now += 2.0
         state.time = 0.5
@@ -66,7 +69,7 @@ def test_the_time_left_is_that_of_steps_alone(time, state, monkeypatch, capsys):
     case = tank_case(4, 4, "water")
     slow, fast = (step_at(case, speed) for speed in speeds(case))
     state.dt = sqrt(slow * fast)  # as foretold
-    with Progress(case, state, Clock()) as shown:
+    with Progress(case, state, Clock(), Listeners([Bar()])) as shown:
         time.compile_for(60.0)
         time.now += 5.0  # kernels are read
         for k in range(300):
@@ -77,7 +80,7 @@ def test_the_time_left_is_that_of_steps_alone(time, state, monkeypatch, capsys):
         steps = (case.time.end - state.time) / state.dt
     told = capsys.readouterr().err.splitlines()
     assert "left" not in told[1]
-    minutes, seconds = map(int, re.search(r"(\d+):(\d+) left", told[-1]).groups())
+    minutes, seconds = map(int, re.search(r"(\d+):(\d+) left", told[-2]).groups())
     assert 60 * minutes + seconds == pytest.approx(0.01 * steps, rel=0.05, abs=1.0)
 
 
@@ -109,7 +112,7 @@ def test_phases_add_up_to_the_whole_wall_time(time, state):
     with clock.of(START_UP):
         time.now += 3.0
         time.compile_for(20.0)
-    with Progress(tank_case(4, 4, "water"), state, clock) as shown:
+    with Progress(tank_case(4, 4, "water"), state, clock, Listeners([])) as shown:
         with clock.of("motion"):
             time.now += 5.0
         time.now += 0.5

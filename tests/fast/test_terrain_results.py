@@ -19,7 +19,8 @@ from debrisflow.results.terrain_answers import terrain_answers
 from debrisflow.results.terrain_report import terrain_report
 from debrisflow.results.terrain_survey import TerrainSurvey, survey_terrain
 from debrisflow.results.words import Words
-from debrisflow.run.folder import LEDGER, RunFolder
+from debrisflow.run.folder import RunFolder
+from debrisflow.run.names import LEDGER
 from tests.recording import cells, channel3d_case, placed, record, sliding
 from tests.terrain_recording import CELL, FALL, GAUGE, MIDDLE, SOUTH, WEST, slide, sloping_case
 

@@ -14,7 +14,7 @@ from debrisflow.results import open_run
 from debrisflow.results.compare import compare, table_lines
 from debrisflow.results.report import report
 from debrisflow.results.survey import survey
-from debrisflow.run.folder import SUMMARY
+from debrisflow.run.names import SUMMARY
 from tests.recording import cells, channel3d_case, channel_case, placed, record, sliding
 
 TIMES = np.arange(0.0, 0.55, 0.1)

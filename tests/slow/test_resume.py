@@ -16,12 +16,12 @@ from click.testing import CliRunner
 from debrisflow.cli import main
 from debrisflow.errors import CaseError, OutputError
 from debrisflow.run import checkpoint, loop
-from debrisflow.run.checkpoint import BEFORE, LAST
-from debrisflow.run.lock import LOCK, is_locked, locked
+from debrisflow.run.lock import is_locked, locked
+from debrisflow.run.names import CHECKPOINT, CHECKPOINT_BEFORE, LOCK, STATUS
 from tests.building import bed_case, tank_case
 
 OUTPUT = {"interval": 0.05, "checkpoint_interval": 0.03}
-NOT_COMPARED = {"run.log", "summary.json", LAST, BEFORE}
+NOT_COMPARED = {"run.log", "summary.json", STATUS, CHECKPOINT, CHECKPOINT_BEFORE}
 
 
 def bed(end=0.15, **output):
@@ -52,7 +52,7 @@ def whole(tmp_path_factory) -> Path:
 def test_without_a_checkpoint_a_run_begins_anew(tmp_path, whole):
     run = tmp_path / "run"
     shutil.copytree(whole, run)
-    for name in (LAST, BEFORE, "summary.json", "maxima.csv", "deposit.csv"):
+    for name in (CHECKPOINT, CHECKPOINT_BEFORE, "summary.json", "maxima.csv", "deposit.csv"):
         (run / name).unlink(missing_ok=True)
     loop.resume(run)
     assert results(run) == results(whole)
@@ -76,9 +76,9 @@ def test_a_damaged_checkpoint_gives_way_to_the_one_before(tmp_path, whole):
     run = tmp_path / "run"
     shutil.copytree(whole, run)
     (run / "summary.json").unlink()
-    data = bytearray((run / LAST).read_bytes())
+    data = bytearray((run / CHECKPOINT).read_bytes())
     data[len(data) // 2] ^= 1
-    (run / LAST).write_bytes(data)
+    (run / CHECKPOINT).write_bytes(data)
     loop.resume(run)
     assert results(run) == results(whole)
     assert "checkpoint_before.h5" in (run / "run.log").read_text()
@@ -87,7 +87,7 @@ def test_a_damaged_checkpoint_gives_way_to_the_one_before(tmp_path, whole):
 def test_a_later_end_gives_what_a_longer_run_gives(tmp_path, whole):
     short = tmp_path / "short"
     loop.simulate(bed(end=0.1), short)
-    last = checkpoint.load(short / LAST).state.time
+    last = checkpoint.load(short / CHECKPOINT).state.time
     assert last > 0.0
     assert loop.resume(short, until=0.05) is None
     (short / "summary.json").unlink()
@@ -169,7 +169,7 @@ def test_a_signal_stops_a_run_where_it_can_be_resumed(tmp_path, number, code):
         _, errors = process.communicate(timeout=60)
     assert process.returncode == code, errors
     assert errors.decode().endswith("interrupted; the run goes on with: debrisflow resume RUN\n")
-    assert checkpoint.load(run / LAST).state.step % 40 == 0
+    assert checkpoint.load(run / CHECKPOINT).state.step % 40 == 0
 
 
 def test_the_second_signal_stops_at_once(tmp_path):
@@ -185,5 +185,5 @@ def test_the_second_signal_stops_at_once(tmp_path):
         process.communicate(timeout=60)
     assert process.returncode in (130, 143)
     assert not is_locked(run)
-    if (run / LAST).exists():
-        checkpoint.load(run / LAST)
+    if (run / CHECKPOINT).exists():
+        checkpoint.load(run / CHECKPOINT)

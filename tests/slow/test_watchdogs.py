@@ -15,8 +15,9 @@ from debrisflow.case import ResolvedCase
 from debrisflow.errors import DivergedError
 from debrisflow.particles.state import State
 from debrisflow.run import checkpoint, loop
-from debrisflow.run.checkpoint import LAST, Checkpoints
-from debrisflow.run.folder import FAILED, HISTORY, LOG
+from debrisflow.run.checkpoint import Checkpoints
+from debrisflow.run.events import END_OF_TIME
+from debrisflow.run.names import CHECKPOINT, FAILURE, HISTORY, LOG
 from debrisflow.run.watchdogs import time_step
 from debrisflow.run.watchdogs.density import DensityBounds
 from debrisflow.schemes.linear import Solver
@@ -187,7 +188,7 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[Any, bytes]:
         folder = tmp_path_factory.mktemp("sound") / "run"
         assert loop.simulate(build(), folder, threads=1)["steps"] >= END
         assert "WARNING" not in (folder / LOG).read_text()
-        assert not (folder / FAILED).exists()
+        assert not (folder / FAILURE).exists()
         histories[build] = (folder / HISTORY).read_bytes()
     return histories
 
@@ -230,7 +231,7 @@ def test_a_planted_fault_is_found(
     assert "\nlikely cause: " in text
     assert "\nwhat to do: " in text
 
-    frame = pyvista.read(folder / FAILED)
+    frame = pyvista.read(folder / FAILURE)
     assert set(frame["kind"]) <= {0, 1, 2, 3, 4}
     if fault.has_particle:
         who, place = re.search(r"particle (\d+) at (x = [^m]*) m", text).groups()
@@ -238,7 +239,7 @@ def test_a_planted_fault_is_found(
         told = [float(value) for value in re.findall(r"= ([-\d.e+]+)", place)]
         np.testing.assert_allclose(there[: len(told)], told, rtol=1e-4)
 
-    kept = folder / LAST
+    kept = folder / CHECKPOINT
     assert kept.read_bytes() == saved[-1]
     assert checkpoint.load(kept).state.step == SAVED
     assert f"last good state: {kept}, t = " in text
@@ -270,9 +271,9 @@ def test_a_run_goes_on_from_the_checkpoint_before_a_fault(
     with pytest.raises(DivergedError):
         loop.simulate(fault.case(), folder, threads=1)
     patch.undo()
-    assert loop.resume(folder, threads=1)["end_reason"] == loop.ENDED
+    assert loop.resume(folder, threads=1)["end_reason"] == END_OF_TIME
     assert (folder / HISTORY).read_bytes() == sound[fault.case]
-    assert not (folder / FAILED).exists()
+    assert not (folder / FAILURE).exists()
 
 
 def test_a_fault_before_the_first_checkpoint_leaves_none(
@@ -282,9 +283,9 @@ def test_a_fault_before_the_first_checkpoint_leaves_none(
     patch = plant(with_term(NoNumber()), at=3)
     with pytest.raises(DivergedError, match=r"no checkpoint was saved yet: .* begins anew"):
         loop.simulate(tank(), folder, threads=1)
-    assert not (folder / LAST).exists()
+    assert not (folder / CHECKPOINT).exists()
     patch.undo()
-    assert loop.resume(folder, threads=1)["end_reason"] == loop.ENDED
+    assert loop.resume(folder, threads=1)["end_reason"] == END_OF_TIME
 
 
 def test_a_particle_lost_in_an_obstacle_is_told_and_the_run_goes_on(

@@ -13,7 +13,7 @@ from debrisflow.results.maps.structures import structures
 from debrisflow.results.reader import Run
 from debrisflow.results.words import Words
 from debrisflow.run.atomic import replaced
-from debrisflow.run.folder import MAPS
+from debrisflow.run.names import MAPS
 
 DPI = 200
 

@@ -40,7 +40,7 @@ from debrisflow.results.pictures.views import Window
 from debrisflow.results.reader import BAR, Run, open_run
 from debrisflow.run.atomic import replaced
 from debrisflow.run.bar import bar
-from debrisflow.run.folder import PICTURES
+from debrisflow.run.names import PICTURES
 from debrisflow.space.scene import scene_of
 
 PANELS = 6

@@ -1,0 +1,21 @@
+"""Names of the files and folders in the folder of a run."""
+
+from __future__ import annotations
+
+CASE = "case.toml"
+FRAMES = "particles.pvd"
+DEPOSIT = "deposit.csv"
+HISTORY = "history.csv"
+LEDGER = "ledger.csv"
+MAXIMA = "maxima.csv"
+SUMMARY = "summary.json"
+LOG = "run.log"
+PROBES = "probes"
+POSTPROCESS = "postprocess"
+PICTURES = "render"
+MAPS = "maps"
+SURFACES = "surface.pvd"
+CHECKPOINT, CHECKPOINT_BEFORE = "checkpoint.h5", "checkpoint_before.h5"
+LOCK = "run.lock"
+STATUS = "status.json"
+FAILURE = "failed.vtu"
