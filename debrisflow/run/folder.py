@@ -29,6 +29,7 @@ from debrisflow.run.maxima import write_maxima
 from debrisflow.run.measures import DepositProfile
 from debrisflow.run.probe import ProbeOutput, is_probe_file
 from debrisflow.run.probes import sampler_of
+from debrisflow.run.summary_file import checked_summary
 from debrisflow.run.tables import Row, Series
 from debrisflow.run.vtu import FOLDER, Collection, write_particles
 from debrisflow.run.walls_file import OBSTACLES, WALLS, write_obstacles, write_walls
@@ -367,13 +368,6 @@ def read_summary(folder: Path) -> dict[str, Any]:
     Raises
     ------
     OutputError
-        If the file is damaged.
+        If the file is damaged, or a value in it is of another kind than a run writes.
     """
-    file = folder / SUMMARY
-    if not file.is_file():
-        return {}
-    try:
-        summary: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise OutputError(f"{file} is damaged: {error}") from error
-    return summary
+    return checked_summary(folder / SUMMARY)
