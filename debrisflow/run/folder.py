@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, dump_case
 from debrisflow.case.content import content_of, digest_of
-from debrisflow.errors import OutputError
+from debrisflow.errors import OutputError, shown
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
 from debrisflow.run.checkpoint import BEFORE, LAST, Checkpoints
@@ -97,6 +97,14 @@ DERIVED = (
 )
 
 
+class _Lines(logging.Formatter):
+    """Formats messages so that no name in one looks like another message or steers a terminal."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return a message whose further lines are indented."""
+        return shown(super().format(record)).replace("\n", "\n  ")
+
+
 class RunFolder:
     """The folder that holds the case, the results and the checkpoint of one run.
 
@@ -141,7 +149,7 @@ class RunFolder:
         self.log = logging.getLogger("debrisflow")
         self.log.setLevel(logging.INFO)
         self._handler = logging.FileHandler(path / LOG, encoding="utf-8")
-        self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+        self._handler.setFormatter(_Lines("%(asctime)s %(levelname)s %(message)s"))
         self.log.addHandler(self._handler)
 
     @classmethod

@@ -26,6 +26,7 @@ from debrisflow.run.layer_recorder import recorder_of
 from debrisflow.run.ledger import ledger_row
 from debrisflow.run.lock import locked
 from debrisflow.run.measures import deposit_profile, flow
+from debrisflow.run.own_files import must_be_own
 from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
@@ -127,6 +128,7 @@ def resume(
             f"{folder} holds no {CASE}: it is no run folder, or its run was stopped before it "
             f"began; start it with: debrisflow run CASE -o {folder}"
         )
+    must_be_own(folder)
     clock = Clock()
     with locked(folder):
         case = load_case(folder / CASE, [] if until is None else [f"time.end={until!r}"])

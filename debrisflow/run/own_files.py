@@ -11,6 +11,7 @@ from debrisflow.errors import OutputError
 from debrisflow.run.atomic import UNFINISHED
 from debrisflow.run.folder import MAPS, MOVING, PICTURES, POSTPROCESS, PROBES, RESULTS
 from debrisflow.run.layers import FOLDER as LAYERS
+from debrisflow.run.lock import LOCK
 from debrisflow.run.vtu import FOLDER
 
 FOLDERS = (FOLDER, MOVING, LAYERS, PROBES, POSTPROCESS, PICTURES, MAPS)
@@ -47,7 +48,7 @@ def must_be_own(folder: Path) -> None:
 
 def _entries(folder: Path) -> Iterator[str]:
     """Yield the paths that a run or a command may have written, whether they are there or not."""
-    for name in RESULTS:
+    for name in (*RESULTS, LOCK):
         yield os.path.join(folder, name)
         yield os.path.join(folder, name + UNFINISHED)
     for name in FOLDERS:
