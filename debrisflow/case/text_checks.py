@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from debrisflow.case.problems import Problem, Problems
@@ -16,20 +16,23 @@ def plain_texts(data: Mapping[str, Any]) -> Problems:
 
     Examples
     --------
-    >>> [str(problem) for problem in plain_texts({"title": "a flume", "notes": "a" + chr(7)})]
-    ["notes = 'a\\\\x07': has control characters; write plain text"]
+    >>> [problem.key for problem in plain_texts({"title": "a flume", "notes": chr(27) + "[2J"})]
+    ['notes']
     """
     for key, value in _texts(data, ""):
         if steers(value) or (key != "notes" and len(value.splitlines()) > 1):
             yield Problem(key, "has control characters; write plain text", value)
 
 
-def _texts(value: Any, place: str) -> Any:
+def _texts(value: Any, place: str) -> Iterator[tuple[str, str]]:
     """Yield all texts in nested tables and lists with their keys."""
     if isinstance(value, str):
         yield place, value
         return
-    parts = value.items() if isinstance(value, Mapping) else ()
-    parts = enumerate(value) if isinstance(value, list) else parts
+    parts: Iterable[tuple[Any, Any]] = ()
+    if isinstance(value, Mapping):
+        parts = value.items()
+    elif isinstance(value, list):
+        parts = enumerate(value)
     for key, part in parts:
         yield from _texts(part, f"{place}.{key}" if place else str(key))

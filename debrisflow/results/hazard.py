@@ -193,12 +193,13 @@ def read_class_map(run: Path, name: str) -> ClassMap:
         If a file is missing or damaged.
     """
     stem = run / POSTPROCESS / name
-    files = (stem.with_suffix(f".{ending}") for ending in ENDINGS)
-    raster = next((file for file in files if file.is_file()), stem.with_suffix(".tif"))
-    names, colors = _palette(stem.with_suffix(".qml"))
-    head = text_of(stem.with_suffix(".csv")).splitlines()[:2]
+    rasters = [Path(f"{stem}.{ending}") for ending in ENDINGS]
+    raster = next((file for file in rasters if file.is_file()), rasters[0])
+    style, table = Path(f"{stem}.qml"), Path(f"{stem}.csv")  # a name may have a dot
+    names, colors = _palette(style)
+    head = text_of(table).splitlines()[:2]
     if len(head) < 2 or any(map(steers, head)):
-        raise OutputError(f"{stem.with_suffix('.csv')} is damaged: its head lacks title and source")
+        raise OutputError(f"{table} is damaged: its head lacks title and source")
     try:
         values = _class_values(raster)
     except UnreadableRasterError as error:
