@@ -31,6 +31,7 @@ ORIGIN = "origin"
 CHECKSUM = "sha256"
 NOT_KEPT = {"wall_force", "patches", "patch_force"}  # what each step, or who reads it, finds anew
 NUMBERS = "biuf"  # kinds of arrays: no objects, no references, no text
+DEEPEST = 32  # of tables within tables, of a case
 GREATEST_COMPRESSION = 1100.0  # of gzip: 1032
 FREE = ("time.end", "time.stop_energy", "output.checkpoint_")
 """Starts of the keys that may differ in a run that goes on: what was computed stays the same."""
@@ -152,6 +153,7 @@ def load(path: Path) -> Checkpoint:
         origin = Origin(*(str(kept[name]) for name in Origin._fields))
         if kept[CHECKSUM] != _checksum(state, origin):
             raise OutputError(f"{path} is damaged: its contents do not have its checksum")
+        _must_be_comparable(origin)
         return Checkpoint(state, origin)
     except FileNotFoundError as error:
         raise OutputError(f"there is no checkpoint {path}") from error
@@ -160,8 +162,21 @@ def load(path: Path) -> Checkpoint:
             f"{path} was written by another version of debrisflow and cannot be continued: "
             f"{error.args[0]}; start the run again with: debrisflow run"
         ) from error
-    except (OSError, ValueError, TypeError, RuntimeError, MemoryError) as error:
+    except (OSError, ValueError, TypeError, AttributeError, RuntimeError, MemoryError) as error:
         raise OutputError(f"{path} is damaged: {error}") from error
+
+
+def _must_be_comparable(origin: Origin) -> None:
+    """Check that what a state was computed from can be compared with a case."""
+    content = json.loads(origin.content)
+    if not _is_shallow(content, DEEPEST):
+        raise ValueError("its origin is nested too deep")
+    changes(content, {})
+
+
+def _is_shallow(part: Any, depth: int) -> bool:
+    parts = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
+    return depth > 0 and all(_is_shallow(one, depth - 1) for one in parts)
 
 
 def _write(path: Path, state: State, origin: Origin) -> None:
@@ -250,6 +265,8 @@ def _array(group: h5py.Group, name: str, size: int) -> np.ndarray[Any, Any]:
         raise OSError(f"{name} is no array of numbers")
     if data.is_virtual or data.external or data.maxshape != data.shape:
         raise OSError(f"{name} does not lie in the file")
+    if h5py.h5o.get_info(data.id).rc != 1:
+        raise OSError(f"{name} has several names, so that it would be read several times")
     if data.nbytes > GREATEST_COMPRESSION * min(size, data.id.get_storage_size()):
         raise OSError(f"{name} is larger than the file can hold")
     return np.asarray(data[()])

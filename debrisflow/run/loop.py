@@ -32,6 +32,7 @@ from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
 from debrisflow.run.schedule import Schedule
+from debrisflow.run.sound_state import must_be_sound
 from debrisflow.run.stop import StopRule
 from debrisflow.run.stop_signals import StopSignals
 from debrisflow.run.summary import summary
@@ -175,6 +176,7 @@ def _check(kept: Checkpoint, case: ResolvedCase, start: State, accept_changes: b
     for line in changed:
         LOG.warning("changed since the last checkpoint: %s", line)
     check_fits(kept.state, start)
+    must_be_sound(kept.state, case, start)
     if case.time.end < kept.state.time:
         raise CaseError(
             f"time.end = {case.time.end:g} s is before the last checkpoint, at "
@@ -191,8 +193,11 @@ def _has_ended(case: ResolvedCase, before: dict[str, Any]) -> bool:
     """Return whether a run with a summary has come to the end that its case has now."""
     reason = before.get("end_reason")
     if reason == AT_REST:
-        return case.time.stop_energy is not None and before["energy_share"] < case.time.stop_energy
-    return reason == EMPTY or (reason == ENDED and before["time"] >= case.time.end)
+        return (
+            case.time.stop_energy is not None
+            and before.get("energy_share", 0.0) < case.time.stop_energy
+        )
+    return reason == EMPTY or (reason == ENDED and before.get("time", 0.0) >= case.time.end)
 
 
 def use_threads(state: State, given: int | None) -> int:

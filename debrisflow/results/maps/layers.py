@@ -126,7 +126,7 @@ class Layers:
         if not (
             np.isfinite(time).all()
             and np.all(np.diff(time) >= 0.0)
-            and np.all((frame >= 0.0) & (frame < MOST_FRAMES) & (frame % 1.0 == 0.0))
+            and np.all((frame >= 0.0) & (frame < MOST_FRAMES) & (np.floor(frame) == frame))
         ):
             raise OutputError(f"{listing} is damaged: its times or numbers are none of frames")
         named = [
