@@ -5,11 +5,12 @@ python scripts/fuzz_readers.py [--runs N] [--seed S] [--only KIND] [--keep FOLDE
 Each input is one of the RUN folders with one of its files changed.  It must end as an error that is
 meant for the user, or as a report: a traceback, more than ten seconds, more memory than a bound or
 the death of the process counts as found, and makes the exit code 1.  An input follows from seed and
-number, so that ``--first NUMBER --runs 1`` repeats it.
+number, so that ``--first NUMBER --runs 1`` repeats it.  Ctrl-C ends it with its counts.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import resource
 import shutil
@@ -19,6 +20,7 @@ import time
 import traceback
 import warnings
 from collections import Counter, defaultdict
+from contextlib import suppress
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
@@ -74,6 +76,7 @@ def work(folders: list[Path], seed: int, numbers: range, place: Path, only: str,
     signal.signal(signal.SIGALRM, _hang)
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, resource.RLIM_INFINITY))
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     with os.fdopen(told, "w") as lines:
         for number in numbers:
             random = Random(f"{seed} {number}")
@@ -91,7 +94,7 @@ def work(folders: list[Path], seed: int, numbers: range, place: Path, only: str,
             target.write_bytes(mutated(file.read_bytes(), random, others))
             print("begun", number, kind, file=lines, flush=True)
             found, trace = outcome(copy, target, random.random() < DRAWN)
-            print(found, number, kind, repr(trace), file=lines, flush=True)
+            print(found, number, kind, json.dumps(trace), file=lines, flush=True)
     os._exit(0)
 
 
@@ -109,7 +112,8 @@ def main(
     counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
     traces: Counter[str] = Counter()
     start, number, end = time.monotonic(), first, first + runs
-    with TemporaryDirectory(dir=IN_MEMORY if IN_MEMORY.is_dir() else None) as place:
+    in_memory = IN_MEMORY if IN_MEMORY.is_dir() else None
+    with suppress(KeyboardInterrupt), TemporaryDirectory(dir=in_memory) as place:
         while number < end:
             numbers = range(number, min(number + BATCH, end))
             number = _batch(list(folders), seed, numbers, Path(place), only, counts, traces)
@@ -118,11 +122,12 @@ def main(
             print(f"\r{done} inputs, {wrong} wrong", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
     _print_counts(counts, time.monotonic() - start)
-    for trace, count in traces.most_common():
+    found = {trace.split("\0")[0]: count for trace, count in traces.most_common()}
+    for trace, count in found.items():
         print(f"\n{count} times, for example number {trace}")
     if keep is not None and traces:
         keep.mkdir(parents=True, exist_ok=True)
-        (keep / f"tracebacks_{seed}.txt").write_text("\n".join(traces), encoding="utf-8")
+        (keep / f"tracebacks_{seed}.txt").write_text("\n".join(found), encoding="utf-8")
     sys.exit(1 if traces else 0)
 
 
@@ -154,19 +159,14 @@ def _batch(
                 continue
             begun = None
             counts[kind][found] += 1
-            if rest[0] != "''":
-                _remember(traces, at, kind, eval_text(rest[0]))
+            if rest[0] != '""':
+                _remember(traces, at, kind, json.loads(rest[0]))
     status = os.waitpid(child, 0)[1]
     if begun is None:
         return numbers.stop
     counts[begun[1]]["death"] += 1
     traces[f"{begun[0]} ({begun[1]}): the process died, status {status}"] += 1
     return begun[0] + 1
-
-
-def eval_text(literal: str) -> str:
-    """Return the text of its literal."""
-    return literal[1:-1].encode().decode("unicode_escape")
 
 
 def _remember(traces: Counter[str], number: str, kind: str, trace: str) -> None:
