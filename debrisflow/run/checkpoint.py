@@ -288,8 +288,11 @@ def check_fits(state: State, start: State) -> None:
     """
     held, wanted = state.particles, start.particles
     groups = held.fluid_count, held.inflow_count, held.wall_count
+    numbers = {held.count}
+    if wanted.count == 0:  # as long as arrays that the particles of this case do not have
+        numbers.add(0)
     wrong = [
-        *_misfits(held, wanted, rows={wanted.count: held.count}),
+        *_misfits(held, wanted, rows={wanted.count: numbers}),
         *_misfits(state.maxima, start.maxima),
         *_misfits(state.layers, start.layers),
         *_misfits(state, start),
@@ -305,19 +308,20 @@ def check_fits(state: State, start: State) -> None:
         )
 
 
-def _misfits(held: Any, wanted: Any, rows: Mapping[int, int] | None = None) -> Iterator[str]:
+def _misfits(held: Any, wanted: Any, rows: Mapping[int, set[int]] | None = None) -> Iterator[str]:
     """Yield the names of arrays of a record whose types or shapes are not those of another one.
 
     Parameters
     ----------
     held, wanted : records of the same type
-    rows : mapping of int to int, optional
-        The number of rows to be held where others are wanted: of all particles.
+    rows : mapping of int to set of int, optional
+        The numbers of rows that may be held where another one is wanted: of all particles.
     """
     for field in fields(wanted):
         one, other = getattr(held, field.name), getattr(wanted, field.name)
         if not isinstance(other, np.ndarray) or field.name in NOT_KEPT:
             continue
-        shape = ((rows or {}).get(len(other), len(other)), *other.shape[1:])
-        if not isinstance(one, np.ndarray) or (one.dtype, one.shape) != (other.dtype, shape):
+        numbers = (rows or {}).get(len(other), {len(other)})
+        shapes = {(number, *other.shape[1:]) for number in numbers}
+        if not isinstance(one, np.ndarray) or one.dtype != other.dtype or one.shape not in shapes:
             yield field.name

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.errors import OutputError
-from debrisflow.particles.record import Kind, Particles
+from debrisflow.particles.matter import leave_out_unasked
+from debrisflow.particles.record import Kind, Particles, blank
 from debrisflow.particles.state import State
 from debrisflow.space.domain import domain
 
@@ -46,6 +47,11 @@ def must_be_sound(state: State, case: ResolvedCase, start: State) -> None:
 
 
 def _wrong_particles(held: Particles, case: ResolvedCase, start: Particles) -> Iterator[str]:
+    needed = blank(1)
+    leave_out_unasked(needed, case)
+    if short := [name for name in needed.arrays() if len(getattr(held, name)) != held.count]:
+        yield from short
+        return
     fluid, inflow, walls = held.fluid, held.inflow, held.kind[held.moving.stop :]
     kinds = held.kind
     if (

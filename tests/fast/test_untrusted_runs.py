@@ -337,6 +337,7 @@ def test_a_summary_says_what_a_run_writes(flume):
 FORGED = {
     "kind": lambda p, state: p.kind.__setitem__(slice(3), 77),
     "wall": lambda p, state: p.wall.__setitem__(slice(3), 100),
+    "pressure": lambda p, state: setattr(p, "pressure", np.zeros(0)),
     "position": lambda p, state: p.position.__setitem__(slice(3), 1e6),
     "density": lambda p, state: p.density.__setitem__(slice(3), 0.0),
     "velocity": lambda p, state: p.velocity.__setitem__(slice(3), np.nan),
