@@ -35,7 +35,8 @@ from debrisflow.errors import DebrisflowError  # noqa: E402
 from tests.hostile.mutations import mutated  # noqa: E402
 from tests.hostile.reading import files_read, kind_of, read_all, read_checkpoint  # noqa: E402
 
-HANG = 10  # s
+HANG = 10.0  # s of processor time, since the machine may be busy
+WAITING = 60  # s that it may take at all
 MEMORY = 3 << 30  # bytes of addresses beyond those at the start
 IN_MEMORY = Path("/dev/shm")
 BATCH = 100  # inputs of a process, whose death loses no more
@@ -53,7 +54,8 @@ def _hang(*_: object) -> NoReturn:
 
 def outcome(folder: Path, file: Path, draws: bool) -> tuple[str, str]:
     """Return how the readers take a folder in which a file is changed, and the traceback."""
-    signal.alarm(HANG)
+    signal.setitimer(signal.ITIMER_PROF, HANG)
+    signal.alarm(WAITING)
     try:
         if file.suffix == ".h5":
             read_checkpoint(folder)
@@ -67,6 +69,7 @@ def outcome(folder: Path, file: Path, draws: bool) -> tuple[str, str]:
     except Exception:
         return "traceback", traceback.format_exc()
     finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.alarm(0)
 
 
@@ -74,6 +77,7 @@ def work(folders: list[Path], seed: int, numbers: range, place: Path, only: str,
     """Feed the readers with inputs, and tell each outcome as a line; ends the process."""
     warnings.simplefilter("ignore")
     signal.signal(signal.SIGALRM, _hang)
+    signal.signal(signal.SIGPROF, _hang)
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, resource.RLIM_INFINITY))
     signal.signal(signal.SIGINT, signal.SIG_DFL)

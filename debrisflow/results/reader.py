@@ -186,7 +186,7 @@ class Run:
     def maxima(self) -> DataTable:
         """Return ``maxima.csv``: a float64 array by column name, a row a cell."""
         file = self.folder / MAXIMA
-        table = read_table(file, needed=maxima.COLUMNS)
+        table = read_table(file, needed=("x", *maxima.COLUMNS))
         cells = plan(self.case).x.size
         if table["x"].size != cells:
             raise OutputError(

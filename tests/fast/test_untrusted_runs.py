@@ -294,6 +294,18 @@ def test_a_missing_column_is_told(run):
         table["nowhere"]
 
 
+@pytest.mark.parametrize("name", ["x", "maximal_depth"])
+def test_a_table_of_maxima_without_a_column_is_told(run, name):
+    file = run / "maxima.csv"
+    file.write_text(
+        re.sub(
+            rf"^{name},|,{name}\b", lambda m: m[0].replace(name, "q"), file.read_text(), flags=re.M
+        )
+    )
+    with pytest.raises(OutputError, match=r"has no column \w+"):
+        _ = open_run(run).maxima
+
+
 def test_only_pictures_come_onto_a_page(run):
     (run / "render").mkdir()
     (run / "render/a.png").write_text("root:x:0:0")
