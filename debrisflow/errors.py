@@ -2,11 +2,45 @@
 
 from __future__ import annotations
 
+import re
+
+# What steers a terminal, breaks a line or turns the direction of what follows: control characters
+# but for the ends of lines and tabs, lone surrogates, separators of lines, marks of direction.
+_STEERING = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\u2028\u2029\u202a-\u202e\u2066-\u2069]"
+)
+
+
+def steers(text: str) -> bool:
+    """Return whether a text holds characters that do something else than to be read.
+
+    Examples
+    --------
+    >>> steers("a flume"), steers(chr(27) + "[2J")
+    (False, True)
+    """
+    return _STEERING.search(text) is not None
+
+
+def shown(text: str) -> str:
+    r"""Return a text whose steering characters are written out, fit for a terminal or a log.
+
+    Examples
+    --------
+    >>> print(shown(chr(27) + "[2J"))
+    \x1b[2J
+    """
+    return _STEERING.sub(lambda one: ascii(one[0])[1:-1], text)
+
 
 class DebrisflowError(Exception):
     """Base of every error whose message is meant for the user, shown without a traceback."""
 
     exit_code = 1
+
+    def __str__(self) -> str:
+        """Return the message, which may repeat what stands in a file, fit for a terminal."""
+        return shown(super().__str__())
 
 
 class CaseError(DebrisflowError):

@@ -26,6 +26,7 @@ from debrisflow.case.overrides import apply_overrides
 from debrisflow.case.problems import Problem, by_name, locate, translate
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.tables import Case, follow_dimension
+from debrisflow.case.text_checks import plain_texts
 from debrisflow.errors import CaseError
 
 # Two or three numbers, which the writer spreads over as many lines and two.
@@ -117,7 +118,7 @@ def _checked(
     renamed, wrong_ones = apply_overrides(data, overrides)
     also_former, given_twice = use_present_names(data)  # in the values of the overrides
     former_names += [*renamed, *also_former]
-    problems += [*wrong_ones, *given_twice]
+    problems += [*wrong_ones, *given_twice, *plain_texts(data)]
     unread = find_meshes(data, folder)
     for table, reasons in find_map_files(data, folder).items():
         unread.setdefault(table, []).extend(reasons)

@@ -28,6 +28,13 @@ INSTALL = (
 )
 LARGEST_NUMBER = 1.0e30  # what lies beyond stands for "no data" in many programs
 MOST_CELLS = 400_000_000  # 3 GiB of levels
+MOST_SHORTENED = 4000  # cells for each byte of a file, of which the rest may be empty
+SLACK = 4_000_000  # cells that any file may claim
+DRIVERS = (
+    "GTiff", "AAIGrid", "HFA", "EHdr", "ENVI", "SAGA", "GSAG", "GSBG", "GS7BG", "SRTMHGT",
+    "USGSDEM", "DTED", "netCDF", "XYZ", "PCRaster", "RST", "JP2OpenJPEG",
+)  # fmt: skip
+"""Of GDAL, by which a raster may be read: those that name no other files and no servers."""
 UNEVEN = 1.0e-6  # by which the sides of a cell may differ
 
 
@@ -225,16 +232,36 @@ def _rasterio() -> Any:
 def _read_by_gdal(path: Path) -> Raster:
     rasterio = _rasterio()
     try:
-        with warnings.catch_warnings():  # of a file without a place, which is refused below
-            warnings.simplefilter("ignore")
-            file = rasterio.open(path)
-        with file:
+        with _opened(path) as file:
             grid = _grid_of(file)
+            _must_hold(path, grid)
             stored = file.read(1, masked=True).astype(np.float64).filled(np.nan)
             values = stored * file.scales[0] + file.offsets[0]
     except rasterio.errors.RasterioError as error:
         raise UnreadableRasterError(f"cannot be read as a raster: {error}") from error
     return Raster(grid, np.where(np.isnan(_without_sentinels(stored)), np.nan, values))
+
+
+def _opened(path: Path) -> Any:
+    """Return a raster, open, by the first driver that knows it."""
+    rasterio, first = _rasterio(), None
+    for driver in DRIVERS:
+        try:
+            with warnings.catch_warnings():  # of a file without a place, which is refused later
+                warnings.simplefilter("ignore")
+                return rasterio.open(path, driver=driver)
+        except rasterio.errors.RasterioError as error:
+            first = first or error
+    raise UnreadableRasterError(f"cannot be read as a raster: {first}") from first
+
+
+def _must_hold(path: Path, grid: MapGrid) -> None:
+    """Refuse a file that claims cells which it cannot hold, before memory is taken for them."""
+    size = path.stat().st_size
+    if grid.columns * grid.rows > MOST_SHORTENED * size + SLACK:
+        raise UnreadableRasterError(
+            f"claims {grid.columns} x {grid.rows} cells, which {size} bytes cannot hold"
+        )
 
 
 def _grid_of(file: Any) -> MapGrid:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.errors import OutputError
 from debrisflow.run.tables import Table
 
 if TYPE_CHECKING:
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
     import xarray
 
 PLACES = ("x", "y", "z")
+
+
+class MissingColumnError(OutputError, KeyError):
+    """A table has no column of the name that was asked for."""
 
 
 class DataTable(dict[str, NDArray[np.float64]]):
@@ -42,6 +47,10 @@ class DataTable(dict[str, NDArray[np.float64]]):
     def __init__(self, columns: Table, units: Mapping[str, str]) -> None:
         super().__init__(columns)
         self.units = {name: units.get(name, "") for name in columns}
+
+    def __missing__(self, name: str) -> NDArray[np.float64]:
+        """Say that there is no column of a name: the file that was read may lack it."""
+        raise MissingColumnError(f"no column {name} is in the table, but {', '.join(self)}")
 
     @property
     def index(self) -> tuple[str, ...]:

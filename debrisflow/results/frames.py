@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyvista
 from numpy.typing import NDArray
 
 from debrisflow.errors import OutputError
-from debrisflow.particles.arrays import ARRAYS
+from debrisflow.particles.arrays import ARRAYS, OutputArray
+from debrisflow.particles.record import Kind
+from debrisflow.results.vtk_file import read_points
 from debrisflow.run.measures import is_fluid
 
 Floats = NDArray[np.float64]
+LAST_KIND = max(Kind)
 
 
 @dataclass(frozen=True)
@@ -79,42 +80,33 @@ def read_frame(time: float, file: Path) -> Frame:
     Raises
     ------
     OutputError
-        If it is missing or damaged.
+        If it is missing or damaged: its arrays cannot be unpacked, one is missing or of another
+        kind than the table of them says, or a place is no number.
     """
-    mesh = read_mesh(file)
-    try:
-        needed = [array.name for array in ARRAYS if not array.optional]
-        others = [name for name in mesh.point_data if name not in needed]
-        arrays = {name: np.asarray(mesh.point_data[name]) for name in (*needed, *others)}
-        return Frame(time, np.asarray(mesh.points), arrays)
-    except KeyError as error:
-        raise OutputError(f"{file} is damaged: VTK cannot read its arrays") from error
+    found = read_points(file)
+    if found.position is None:
+        raise OutputError(f"{file} is damaged: it holds no particles")
+    arrays: dict[str, NDArray[Any]] = {}
+    for array in ARRAYS:
+        values = found.arrays.get(array.name)
+        if values is None and array.optional:
+            continue
+        if values is None:
+            raise OutputError(f"{file} is damaged: it has no array {array.name}")
+        arrays[array.name] = _checked(file, array, values)
+    others = {name: values for name, values in found.arrays.items() if name not in arrays}
+    position = found.position.astype(np.float64, copy=False)
+    if not np.isfinite(position).all():
+        raise OutputError(f"{file} is damaged: a particle is nowhere")
+    return Frame(time, position, arrays | others)
 
 
-def read_mesh(file: Path) -> pyvista.DataSet:
-    """Return what a file of VTK holds.
-
-    Raises
-    ------
-    OutputError
-        If it is missing or damaged.
-    """
-    _must_be_whole(file)
-    try:
-        catcher = pyvista.VtkErrorCatcher(raise_errors=True, send_to_logging=False)
-        with warnings.catch_warnings(), catcher:
-            # pyvista also warns about the errors that the catcher raises
-            warnings.simplefilter("ignore")
-            return pyvista.read(file)
-    except (RuntimeError, ValueError) as error:
-        raise OutputError(f"{file} is damaged: VTK cannot read its arrays") from error
-
-
-def _must_be_whole(file: Path) -> None:
-    # VTK prints messages of its own about a truncated file, so this is checked first
-    if not file.is_file():
-        raise OutputError(f"{file} is missing, although the run lists it as one of its frames")
-    with file.open("rb") as stream:
-        stream.seek(max(0, file.stat().st_size - 64))
-        if b"</VTKFile>" not in stream.read():
-            raise OutputError(f"{file} is damaged: it is cut off before its end")
+def _checked(file: Path, array: OutputArray, values: NDArray[Any]) -> NDArray[Any]:
+    """Return the values of an array if they are of its kind."""
+    components = values.shape[1] if values.ndim > 1 else 1
+    kinds = "f" if np.dtype(array.storage).kind == "f" else "iu"
+    if components != array.components or values.dtype.kind not in kinds:
+        raise OutputError(f"{file} is damaged: its array {array.name} is of another kind")
+    if array.name == "kind" and values.size and not 0 <= values.min() <= values.max() <= LAST_KIND:
+        raise OutputError(f"{file} is damaged: a particle is of no kind that there is")
+    return values

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from debrisflow.case.probes.grid import GridProbe
 from debrisflow.errors import OutputError
-from debrisflow.results.frames import read_mesh
+from debrisflow.results.vtk_file import read_points
 from debrisflow.run.tables import Table
 from debrisflow.run.vtu import read_collection
 
@@ -36,24 +38,31 @@ def read_grid(listing: Path, probe: GridProbe, spacing: float) -> Table:
     OutputError
         If a file is missing or damaged.
     """
-    if not listing.is_file():
-        raise OutputError(f"{listing} is missing")
     images = read_collection(listing)
     step, counts = probe.distance(spacing), probe.counts(spacing)
     table = {"time": np.array([time for time, _ in images])}
     for (axis, (low, _)), count in zip(probe.extents(), counts, strict=True):
         table[axis] = low + step * np.arange(count)
+    # an image is read before memory is taken for all, so that the files bound it
+    read = [_image(file, counts) for _, file in images]
     for name in FIELDS:
-        table[name] = np.zeros((len(images), *counts, *([3] if name == "velocity" else [])))
-    for number, (_, file) in enumerate(images):
-        image = read_mesh(file)
-        for name in FIELDS:
-            try:
-                values = np.asarray(image.point_data[name])
-                # x is the fastest in the file
-                shape = (*reversed(counts), *values.shape[1:])
-                axes = (*reversed(range(len(counts))), *range(len(counts), len(shape)))
-                table[name][number] = values.reshape(shape).transpose(axes)
-            except (KeyError, ValueError) as error:
-                raise OutputError(f"{file} is damaged: it is no image of this probe") from error
+        ends = [3] if name == "velocity" else []
+        table[name] = np.zeros((len(images), *counts, *ends))
+        for number, image in enumerate(read):
+            table[name][number] = image[name]
     return table
+
+
+def _image(file: Path, counts: Sequence[int]) -> Table:
+    """Return the fields of an image, whose axes are x, y, z and those of their components."""
+    arrays, found = read_points(file, math.prod(counts)).arrays, {}
+    for name in FIELDS:
+        values = arrays.get(name)
+        components = (3,) if name == "velocity" else ()
+        if values is None or values.shape[1:] != components:
+            raise OutputError(f"{file} is damaged: it is no image of this probe")
+        # x is the fastest in the file
+        shape = (*reversed(counts), *components)
+        axes = (*reversed(range(len(counts))), *range(len(counts), len(shape)))
+        found[name] = values.reshape(shape).transpose(axes)
+    return found

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +19,19 @@ from debrisflow.case.rasters import (
     write_raster,
 )
 from debrisflow.case.vectors import write_polygons
-from debrisflow.errors import OutputError
+from debrisflow.errors import OutputError, steers
 from debrisflow.results.hazard_classes import Classes
 from debrisflow.results.layers import read_layer
 from debrisflow.run.atomic import replaced_files
-from debrisflow.run.layer_styles import palette
+from debrisflow.run.layer_styles import DOCTYPE, palette
 from debrisflow.run.layers import ENDINGS, polygons_of
 from debrisflow.run.names import POSTPROCESS
+from debrisflow.run.own_files import must_be_own
+from debrisflow.run.reading import text_of, xml_of
 from debrisflow.run.tables import write_table
 
 LINE = 100  # letters
+COLOR = re.compile("#[0-9a-fA-F]{6}")
 ORDER, SOURCE = "; classes from the worst on", "source: "  # in the head of a table
 COLUMNS = ("class", "number", "cells", "area", "share")
 
@@ -86,6 +89,7 @@ def hazard_map(run: Path, classes: Classes) -> HazardMap:
     OutputError
         If the run lacks a layer that the classes need.
     """
+    must_be_own(run)
     depth = read_layer(run, "peak_depth")
     reached: NDArray[np.bool_] = np.isfinite(depth.values)
     layers = {name: read_layer(run, name).values for name in classes.layers}
@@ -189,27 +193,34 @@ def read_class_map(run: Path, name: str) -> ClassMap:
         If a file is missing or damaged.
     """
     stem = run / POSTPROCESS / name
-    files = (stem.with_suffix(f".{ending}") for ending in ENDINGS)
-    raster = next((file for file in files if file.is_file()), stem.with_suffix(".tif"))
+    rasters = [Path(f"{stem}.{ending}") for ending in ENDINGS]
+    raster = next((file for file in rasters if file.is_file()), rasters[0])
+    style, table = Path(f"{stem}.qml"), Path(f"{stem}.csv")  # a name may have a dot
+    names, colors = _palette(style)
+    head = text_of(table).splitlines()[:2]
+    if len(head) < 2 or any(map(steers, head)):
+        raise OutputError(f"{table} is damaged: its head lacks title and source")
     try:
-        head = stem.with_suffix(".csv").read_text(encoding="utf-8").splitlines()
-        entries = ElementTree.parse(stem.with_suffix(".qml")).iter("paletteEntry")
-        found = sorted(
-            (int(e.get("value", "")), e.get("label", ""), e.get("color", "")) for e in entries
-        )
         values = _class_values(raster)
     except UnreadableRasterError as error:
         raise OutputError(f"{raster} {error}") from error
-    except (OSError, ValueError, ElementTree.ParseError) as error:
-        raise OutputError(f"the map of classes {stem} cannot be read: {error}") from error
-    title, source = (line.removeprefix("# ") for line in head[:2])
-    return ClassMap(
-        values,
-        title.removesuffix(ORDER),
-        source.removeprefix(SOURCE),
-        tuple(label for _, label, _ in found),
-        tuple(color for _, _, color in found),
-    )
+    title, source = (line.removeprefix("# ") for line in head)
+    return ClassMap(values, title.removesuffix(ORDER), source.removeprefix(SOURCE), names, colors)
+
+
+def _palette(file: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return names and colors of classes, from number 1 on, of a style for GIS programs."""
+    found = {
+        entry.get("value", ""): (entry.get("label", ""), entry.get("color", ""))
+        for entry in xml_of(file, DOCTYPE).iter("paletteEntry")
+    }
+    entries = [found.get(str(number), ("", "")) for number in range(1, len(found) + 1)]
+    if not entries or any(
+        not name or steers(name) or not COLOR.fullmatch(color) for name, color in entries
+    ):
+        raise OutputError(f"{file} is damaged: its classes lack names, or colors such as #d4006a")
+    names, colors = zip(*entries, strict=True)
+    return names, colors
 
 
 def _class_values(file: Path) -> Raster:

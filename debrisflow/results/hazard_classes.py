@@ -38,7 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case.words import did_you_mean, either
-from debrisflow.errors import CaseError
+from debrisflow.errors import CaseError, steers
 from debrisflow.run.layers import LAYERS
 
 Floats = NDArray[np.float64]
@@ -166,13 +166,15 @@ def read_classes(asked: str) -> Classes:
     if path.suffix != ".toml":
         hint = did_you_mean(asked, known)
         raise CaseError(f"{asked} is no table of classes: give {either(known)}, or a .toml{hint}")
+    if path.exists() and not path.is_file():
+        raise CaseError(f"{path} cannot be read: it is no regular file")
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
         return _classes(path.stem, data)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise CaseError(f"{path} cannot be read: {reason}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise CaseError(f"{path} is not TOML: {error}") from error
     except _WrongError as error:
         raise CaseError(f"{path}: {error}") from error
@@ -198,12 +200,12 @@ def _classes(name: str, data: Mapping[str, Any]) -> Classes:
             before = names.index(one) + 1
             raise _WrongError(f"class {k + 1}: the name '{one}' is that of class {before}")
     title, source = (_text(key, data[key]) for key in ("title", "source"))
-    return Classes(name, title, " ".join(source.split()), found, limits)
+    return Classes(name, _line(title), _line(source), found, limits)
 
 
 def _class(where: str, entry: Any, limits: Mapping[str, Limit]) -> HazardClass:
     _expect_keys(where, entry, ("name", "color"), ("any",))
-    name, color = _text(f"{where}: name", entry["name"]), entry["color"]
+    name, color = _line(_text(f"{where}: name", entry["name"])), entry["color"]
     where = f"{where} '{name}'"
     if not isinstance(color, str) or not COLOR.fullmatch(color):
         raise _WrongError(f"{where}: color = {color!r} must be text like '#d7191c'")
@@ -264,7 +266,13 @@ def _numbers(where: str, given: Any) -> tuple[float, ...]:
 def _text(where: str, given: Any) -> str:
     if not isinstance(given, str) or not given.strip():
         raise _WrongError(f"{where} = {given!r} must be text")
+    if steers(given):
+        raise _WrongError(f"{where} = {given!r} must be text without control characters")
     return given
+
+
+def _line(text: str) -> str:
+    return " ".join(text.split())
 
 
 def _expect_layer(where: str, name: Any) -> None:

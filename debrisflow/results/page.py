@@ -5,6 +5,7 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from hashlib import sha256
 from importlib.resources import files
 from itertools import groupby
 from pathlib import Path
@@ -54,8 +55,25 @@ class Picture(NamedTuple):
     source: str
 
 
-def write_page(run: Run, template: str, words: Words, contents: Mapping[str, Any]) -> Path:
+def write_page(
+    run: Run,
+    template: str,
+    words: Words,
+    contents: Mapping[str, Any],
+    style: str = "",
+    script: str = "",
+) -> Path:
     """Write ``report.html`` of a run by a template, and return it.
+
+    Parameters
+    ----------
+    run : Run
+    template : str
+    words : Words
+    contents : mapping
+        What the template names, beside what all pages have.
+    style, script : str
+        Files of the templates that only this kind of page has.
 
     Raises
     ------
@@ -71,7 +89,10 @@ def write_page(run: Run, template: str, words: Words, contents: Mapping[str, Any
     )
     environment.filters["figure"] = figure
     environment.filters["rounded"] = rounded
-    known = _common(run) | {"words": words, "pictures": pictures(run.folder / PICTURES)}
+    looks = as_it_stands("page.css") + (as_it_stands(style) if style else Markup())
+    program = as_it_stands(script) if script else Markup()
+    parts = {"style": looks, "script": program, "policy": policy(looks, program)}
+    known = _common(run) | parts | {"words": words, "pictures": pictures(run.folder / PICTURES)}
     page = environment.get_template(template).render(**known, **contents)
     path = run.folder / POSTPROCESS / FILE
     with replaced(path) as unfinished:
@@ -93,6 +114,25 @@ def rounded(value: float) -> str:
 def as_it_stands(name: str) -> Markup:
     """Return the text of a file of the templates."""
     return Markup(files("debrisflow.results").joinpath("templates", name).read_text("utf-8"))
+
+
+def policy(style: str, script: str) -> str:
+    """Return what a browser lets a page do: no network, and no style or script but these.
+
+    Whatever stands in a title or a name is text; if it ever came to be more, it would not run.
+
+    Examples
+    --------
+    >>> policy("", "").partition("; style")[0]
+    "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:"
+    """
+    known = {
+        kind: "'sha256-" + b64encode(sha256(text.encode()).digest()).decode() + "'"
+        for kind, text in (("style", style), ("script", script))
+        if text
+    }
+    rules = ["default-src 'none'", "base-uri 'none'", "form-action 'none'", "img-src data:"]
+    return "; ".join([*rules, *(f"{kind}-src {digest}" for kind, digest in known.items())])
 
 
 def warnings_of(run: Run) -> list[str]:
@@ -143,7 +183,15 @@ def _timing(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
 def pictures(folder: Path) -> list[Picture]:
     """Return the pictures in a folder that are not too large for a page."""
     files = sorted([*folder.glob("*.png"), *folder.glob("*.gif")])
-    return [picture(file) for file in files if file.stat().st_size <= LARGEST_PICTURE]
+    return [picture(file) for file in files if is_picture(file)]
+
+
+def is_picture(file: Path) -> bool:
+    """Return whether a file is a picture that a page can carry, by its first bytes and its size."""
+    if not file.is_file() or file.stat().st_size > LARGEST_PICTURE:
+        return False
+    with file.open("rb") as stream:
+        return stream.read(6).startswith((b"\x89PNG", b"GIF8"))
 
 
 def picture(file: Path, known: Mapping[str, str] = DESCRIPTIONS) -> Picture:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from debrisflow.case import ResolvedCase, load_case
 from debrisflow.case.probes import AnyProbe
 from debrisflow.case.probes.grid import GridProbe
 from debrisflow.case.probes.line import LineProbe
-from debrisflow.errors import OutputError
+from debrisflow.errors import OutputError, shown
 from debrisflow.particles.record import Particles
 from debrisflow.particles.seeding import wall_particles
 from debrisflow.results.data_table import DataTable
@@ -24,13 +25,17 @@ from debrisflow.results.surfaces import Surface, free_surface
 from debrisflow.run import deposit, history, ledger, maxima
 from debrisflow.run.folder import read_summary
 from debrisflow.run.names import CASE, DEPOSIT, FRAMES, HISTORY, LEDGER, LOG, MAXIMA, PROBES
+from debrisflow.run.own_files import must_be_own
 from debrisflow.run.probes import columns_of
+from debrisflow.run.reading import lines_of
 from debrisflow.run.tables import Table, read_table, rows_where
 from debrisflow.run.vtu import read_collection
 from debrisflow.space.plan_grid import plan
 from debrisflow.space.scene import trajectories
 
 Floats = NDArray[np.float64]
+LEVELS = (" WARNING ", " ERROR ")  # in the log
+MOST_WARNINGS = 200  # that are shown
 # of a progress bar over frames
 BAR = "{desc} {percentage:3.0f}% |{bar:20}| {n_fmt} of {total_fmt}, {remaining} left"
 
@@ -52,6 +57,7 @@ class Run:
     def __init__(self, folder: Path) -> None:
         if not (folder / CASE).is_file():
             raise OutputError(f"{folder} is no run folder: it holds no {CASE}")
+        must_be_own(folder)
         self.folder = folder
         self.case: ResolvedCase = load_case(folder / CASE)
 
@@ -75,6 +81,8 @@ class Run:
             raise OutputError(
                 f"{self.folder} holds no frames yet: {FRAMES} is missing or lists none"
             )
+        if any(after <= before for (before, _), (after, _) in pairwise(listed)):
+            raise OutputError(f"{collection} is damaged: its times do not increase")
         return listed
 
     @property
@@ -150,14 +158,14 @@ class Run:
     @cached_property
     def history(self) -> DataTable:
         """Return ``history.csv``: a float64 array by column name, rows from t = 0 on."""
-        table = read_table(self.folder / HISTORY, needed=history.COLUMNS)
+        table = _in_time(self.folder / HISTORY, history.COLUMNS)
         rows = rows_where(table, table["time"] >= 0.0)
         return DataTable(rows, history.units(self.case.dimension))
 
     @cached_property
     def ledger(self) -> DataTable:
         """Return ``ledger.csv`` of a run on a terrain: an array by column name, from t = 0 on."""
-        table = read_table(self.folder / LEDGER, needed=ledger.COLUMNS)
+        table = _in_time(self.folder / LEDGER, ledger.COLUMNS)
         return DataTable(rows_where(table, table["time"] >= 0.0), ledger.UNITS)
 
     @cached_property
@@ -169,7 +177,7 @@ class Run:
     def maxima(self) -> DataTable:
         """Return ``maxima.csv``: a float64 array by column name, a row a cell."""
         file = self.folder / MAXIMA
-        table = read_table(file, needed=maxima.COLUMNS)
+        table = read_table(file, needed=("x", *maxima.COLUMNS))
         cells = plan(self.case).x.size
         if table["x"].size != cells:
             raise OutputError(
@@ -190,7 +198,7 @@ class Run:
         probe, spacing = self._probe(name), self.case.particles.spacing
         if isinstance(probe, GridProbe):
             raise OutputError(f"the probe '{name}' is a grid; read it with: grid('{name}')")
-        table = read_table(self.folder / PROBES / f"{name}.csv")
+        table = _in_time(self.folder / PROBES / f"{name}.csv", ("time",))
         if isinstance(probe, LineProbe):
             rows = np.arange(table["time"].size)
             whole = rows.size - rows.size % probe.count(spacing)  # others are still being written
@@ -228,9 +236,23 @@ class Run:
     def warnings(self) -> list[str]:
         """Return the messages of the warnings and errors in the log."""
         file = self.folder / LOG
-        lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
-        levels = (" WARNING ", " ERROR ")
-        return [line.split(level, 1)[1] for line in lines for level in levels if level in line]
+        found: list[str] = []
+        for line in lines_of(file) if file.exists() else ():
+            level = next((level for level in LEVELS if level in line), None)
+            if level is not None and len(found) == MOST_WARNINGS:
+                return [*found, f"more than {MOST_WARNINGS} warnings are in {file.name}"]
+            if level is not None:
+                found.append(shown(line.split(level, 1)[1]))
+        return found
+
+
+def _in_time(file: Path, needed: Iterable[str]) -> Table:
+    """Return a table whose first column, the time, must not decrease."""
+    table = read_table(file, needed=needed)
+    time = table["time"]
+    if not np.isfinite(time).all() or np.any(np.diff(time) < 0.0):
+        raise OutputError(f"{file} is damaged: its times do not increase")
+    return table
 
 
 def open_run(folder: Path | str) -> Run:

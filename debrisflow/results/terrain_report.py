@@ -11,7 +11,7 @@ import numpy as np
 from debrisflow.results.hazard import class_names, read_class_map
 from debrisflow.results.maps.layers import Layers
 from debrisflow.results.maps.web import web_map
-from debrisflow.results.page import Picture, as_it_stands, picture, warnings_of, write_page
+from debrisflow.results.page import Picture, is_picture, picture, warnings_of, write_page
 from debrisflow.results.plots import DESCRIPTIONS, ON_TERRAIN
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.probe_curves import format_span
@@ -58,8 +58,6 @@ def terrain_report(
     contents: dict[str, Any] = {
         "warnings": _warnings(found),
         "map": web_map(run, words),
-        "script": as_it_stands("map.js"),
-        "style": as_it_stands("map.css"),
         "sheets": sheets(run),
         "answers": terrain_answers(found, words),
         "classes": [class_areas(run, name) for name in class_names(run.folder)],
@@ -69,7 +67,7 @@ def terrain_report(
         "window": found.window,
         "plots": [picture(file, known) for file in written if file.suffix == ".png"],
     }
-    return write_page(run, "terrain.html", words, contents)
+    return write_page(run, "terrain.html", words, contents, style="map.css", script="map.js")
 
 
 def _warnings(found: TerrainSurvey) -> list[str]:
@@ -85,7 +83,7 @@ def _warnings(found: TerrainSurvey) -> list[str]:
 def sheets(run: Run) -> list[Picture]:
     """Return the maps for print that there are, in the order of the layers."""
     files = [run.folder / MAPS / f"{name}.png" for name in Layers(run).names]
-    return [picture(file) for file in files if file.is_file()]
+    return [picture(file) for file in files if is_picture(file)]
 
 
 def class_areas(run: Run, name: str) -> ClassAreas:

@@ -32,6 +32,7 @@ CHECKSUM = "sha256"
 # what each step, or who reads it, finds anew
 NOT_KEPT = {"wall_force", "patches", "patch_force", "escaped"}
 NUMBERS = "biuf"  # kinds of arrays: no objects, no references, no text
+DEEPEST = 32  # of tables within tables, of a case
 GREATEST_COMPRESSION = 1100.0  # of gzip: 1032
 FREE = ("time.end", "time.stop_energy", "output.checkpoint_")
 """Starts of the keys that may differ in a run that goes on: what was computed stays the same."""
@@ -153,6 +154,7 @@ def load(path: Path) -> Checkpoint:
         origin = Origin(*(str(kept[name]) for name in Origin._fields))
         if kept[CHECKSUM] != _checksum(state, origin):
             raise OutputError(f"{path} is damaged: its contents do not have its checksum")
+        _must_be_comparable(origin)
         return Checkpoint(state, origin)
     except FileNotFoundError as error:
         raise OutputError(f"there is no checkpoint {path}") from error
@@ -161,8 +163,21 @@ def load(path: Path) -> Checkpoint:
             f"{path} was written by another version of debrisflow and cannot be continued: "
             f"{error.args[0]}; start the run again with: debrisflow run"
         ) from error
-    except (OSError, ValueError, TypeError, RuntimeError, MemoryError) as error:
+    except (OSError, ValueError, TypeError, AttributeError, RuntimeError, MemoryError) as error:
         raise OutputError(f"{path} is damaged: {error}") from error
+
+
+def _must_be_comparable(origin: Origin) -> None:
+    """Check that what a state was computed from can be compared with a case."""
+    content = json.loads(origin.content)
+    if not _is_shallow(content, DEEPEST):
+        raise ValueError("its origin is nested too deep")
+    changes(content, {})
+
+
+def _is_shallow(part: Any, depth: int) -> bool:
+    parts = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
+    return depth > 0 and all(_is_shallow(one, depth - 1) for one in parts)
 
 
 def _write(path: Path, state: State, origin: Origin) -> None:
@@ -251,6 +266,8 @@ def _array(group: h5py.Group, name: str, size: int) -> np.ndarray[Any, Any]:
         raise OSError(f"{name} is no array of numbers")
     if data.is_virtual or data.external or data.maxshape != data.shape:
         raise OSError(f"{name} does not lie in the file")
+    if h5py.h5o.get_info(data.id).rc != 1:
+        raise OSError(f"{name} has several names, so that it would be read several times")
     if data.nbytes > GREATEST_COMPRESSION * min(size, data.id.get_storage_size()):
         raise OSError(f"{name} is larger than the file can hold")
     return np.asarray(data[()])
@@ -272,8 +289,11 @@ def check_fits(state: State, start: State) -> None:
     """
     held, wanted = state.particles, start.particles
     groups = held.fluid_count, held.inflow_count, held.wall_count
+    numbers = {held.count}
+    if wanted.count == 0:  # as long as arrays that the particles of this case do not have
+        numbers.add(0)
     wrong = [
-        *_misfits(held, wanted, rows={wanted.count: held.count}),
+        *_misfits(held, wanted, rows={wanted.count: numbers}),
         *_misfits(state.maxima, start.maxima),
         *_misfits(state.layers, start.layers),
         *_misfits(state, start),
@@ -289,19 +309,20 @@ def check_fits(state: State, start: State) -> None:
         )
 
 
-def _misfits(held: Any, wanted: Any, rows: Mapping[int, int] | None = None) -> Iterator[str]:
+def _misfits(held: Any, wanted: Any, rows: Mapping[int, set[int]] | None = None) -> Iterator[str]:
     """Yield the names of arrays of a record whose types or shapes are not those of another one.
 
     Parameters
     ----------
     held, wanted : records of the same type
-    rows : mapping of int to int, optional
-        The number of rows to be held where others are wanted: of all particles.
+    rows : mapping of int to set of int, optional
+        The numbers of rows that may be held where another one is wanted: of all particles.
     """
     for field in fields(wanted):
         one, other = getattr(held, field.name), getattr(wanted, field.name)
         if not isinstance(other, np.ndarray) or field.name in NOT_KEPT:
             continue
-        shape = ((rows or {}).get(len(other), len(other)), *other.shape[1:])
-        if not isinstance(one, np.ndarray) or (one.dtype, one.shape) != (other.dtype, shape):
+        numbers = (rows or {}).get(len(other), {len(other)})
+        shapes = {(number, *other.shape[1:]) for number in numbers}
+        if not isinstance(one, np.ndarray) or one.dtype != other.dtype or one.shape not in shapes:
             yield field.name

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase, dump_case
 from debrisflow.case.content import content_of, digest_of
-from debrisflow.errors import OutputError
+from debrisflow.errors import OutputError, shown
 from debrisflow.particles.state import State
 from debrisflow.run.atomic import UNFINISHED, replaced
 from debrisflow.run.checkpoint import Checkpoints
@@ -48,6 +48,7 @@ from debrisflow.run.names import (
 )
 from debrisflow.run.probe import ProbeOutput, is_probe_file
 from debrisflow.run.probes import sampler_of
+from debrisflow.run.summary_file import checked_summary
 from debrisflow.run.tables import Row, Series
 from debrisflow.run.vtu import FOLDER, Collection, write_particles
 from debrisflow.run.walls_file import OBSTACLES, WALLS, write_obstacles, write_walls
@@ -104,6 +105,14 @@ DERIVED = (
 )
 
 
+class _Lines(logging.Formatter):
+    """Formats messages so that no name in one looks like another message or steers a terminal."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return a message whose further lines are indented."""
+        return shown(super().format(record)).replace("\n", "\n  ")
+
+
 class RunFolder:
     """The folder that holds the case, the results and the checkpoint of one run.
 
@@ -149,7 +158,7 @@ class RunFolder:
         if self.log.level == logging.NOTSET:
             self.log.setLevel(logging.INFO)
         self._handler = logging.FileHandler(path / LOG, encoding="utf-8")
-        self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+        self._handler.setFormatter(_Lines("%(asctime)s %(levelname)s %(message)s"))
         self.log.addHandler(self._handler)
 
     @classmethod
@@ -382,13 +391,6 @@ def read_summary(folder: Path) -> dict[str, Any]:
     Raises
     ------
     OutputError
-        If the file is damaged.
+        If the file is damaged, or a value in it is of another kind than a run writes.
     """
-    file = folder / SUMMARY
-    if not file.is_file():
-        return {}
-    try:
-        summary: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise OutputError(f"{file} is damaged: {error}") from error
-    return summary
+    return checked_summary(folder / SUMMARY)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+DOCTYPE = "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n"  # heads a style
 DEPTH = (0.25, 0.5, 1.0, 2.0, 4.0)
 TIME = (10.0, 20.0, 30.0, 60.0, 120.0, 300.0)
 LIMITS: dict[str, Sequence[float]] = {
@@ -158,5 +159,4 @@ def _qml(
 def _text(root: ElementTree.Element) -> str:
     ElementTree.SubElement(root, "blendMode").text = "0"
     ElementTree.indent(root)
-    head = "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n"
-    return head + ElementTree.tostring(root, encoding="unicode") + "\n"
+    return DOCTYPE + ElementTree.tostring(root, encoding="unicode") + "\n"

@@ -30,11 +30,13 @@ from debrisflow.run.listeners import Listeners
 from debrisflow.run.lock import locked
 from debrisflow.run.measures import deposit_profile, flow
 from debrisflow.run.names import CASE
+from debrisflow.run.own_files import must_be_own
 from debrisflow.run.pace import Pace, remember
 from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.run.progress import PROBES, START_UP, WRITING, Progress
 from debrisflow.run.schedule import Schedule
+from debrisflow.run.sound_state import must_be_sound
 from debrisflow.run.status import StatusFile
 from debrisflow.run.stop import StopRule
 from debrisflow.run.stop_signals import StopSignals
@@ -147,6 +149,7 @@ def resume(
             f"{folder} holds no {CASE}: it is no run folder, or its run was stopped before it "
             f"began; start it with: debrisflow run CASE -o {folder}"
         )
+    must_be_own(folder)
     clock = Clock()
     with Listeners([StatusFile(folder), on_event or Bar()]) as listeners, locked(folder):
         case = load_case(folder / CASE, [] if until is None else [f"time.end={until!r}"])
@@ -193,6 +196,7 @@ def _check(kept: Checkpoint, case: ResolvedCase, start: State, accept_changes: b
     for line in changed:
         LOG.warning("changed since the last checkpoint: %s", line)
     check_fits(kept.state, start)
+    must_be_sound(kept.state, case, start)
     if case.time.end < kept.state.time:
         raise CaseError(
             f"time.end = {case.time.end:g} s is before the last checkpoint, at "
@@ -209,8 +213,11 @@ def _has_ended(case: ResolvedCase, before: dict[str, Any]) -> bool:
     """Return whether a run with a summary has come to the end that its case has now."""
     reason = before.get("end_reason")
     if reason == AT_REST:
-        return case.time.stop_energy is not None and before["energy_share"] < case.time.stop_energy
-    return reason == EMPTY or (reason == END_OF_TIME and before["time"] >= case.time.end)
+        return (
+            case.time.stop_energy is not None
+            and before.get("energy_share", 0.0) < case.time.stop_energy
+        )
+    return reason == EMPTY or (reason == END_OF_TIME and before.get("time", 0.0) >= case.time.end)
 
 
 def use_threads(state: State, given: int | None) -> int:

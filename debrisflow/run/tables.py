@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.errors import OutputError
+from debrisflow.errors import OutputError, steers
 from debrisflow.run.atomic import replaced
+from debrisflow.run.reading import text_of
 
 Row = Sequence[float | int | str]
 Table = dict[str, NDArray[np.float64]]
@@ -54,18 +55,14 @@ def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Ta
         If the file is missing or lacks a column, or if a row is not numbers or not as long as the
         line of names.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        problem = (
-            "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}"
-        )
-        raise OutputError(f"{path} {problem}") from error
+    text = text_of(path)
     whole = text[: text.rfind("\n") + 1 if grows else None].splitlines()
-    lines = [line for line in whole if line and not line.startswith("#")]
+    lines = [line for line in whole if line.strip() and not line.startswith("#")]
     if not lines:
         raise OutputError(f"{path} is damaged: it names no columns")
     names = [name.strip() for name in lines[0].split(",")]
+    if len(set(names)) < len(names) or not all(names) or any(map(steers, names)):
+        raise OutputError(f"{path} is damaged: its columns have no names of their own")
     if missing := [name for name in needed if name not in names]:
         raise OutputError(f"{path} has no column {missing[0]}, but {', '.join(names)}")
     if not lines[1:]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import math
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
@@ -14,11 +15,13 @@ from debrisflow.errors import OutputError
 from debrisflow.particles.arrays import ARRAYS
 from debrisflow.particles.record import Particles
 from debrisflow.run.atomic import replaced
+from debrisflow.run.reading import within, xml_of
 
 if TYPE_CHECKING:
     import pyvista
 
 FOLDER = "vtu"
+ENDINGS = (".vtu", ".vtp", ".vti")
 
 
 def write_particles(path: Path, particles: Particles, rows: slice = slice(None)) -> None:
@@ -52,13 +55,25 @@ def read_collection(path: Path) -> list[tuple[float, Path]]:
     Raises
     ------
     OutputError
-        If the file is damaged.
+        If the file is missing or damaged, or lists what is no file of VTK in a folder beside it.
     """
     try:
-        sets = ElementTree.parse(path).iter("DataSet")
-        return [(float(s.attrib["timestep"]), path.parent / s.attrib["file"]) for s in sets]
-    except (ElementTree.ParseError, KeyError, ValueError) as error:
+        return [_listed(path, one.attrib) for one in xml_of(path).iter("DataSet")]
+    except KeyError as error:
+        raise OutputError(f"{path} is damaged: an entry has no {error.args[0]}") from error
+    except ValueError as error:
         raise OutputError(f"{path} is damaged: {error}") from error
+
+
+def _listed(path: Path, entry: Mapping[str, str]) -> tuple[float, Path]:
+    """Return the time and the file of an entry of a PVD."""
+    time, name = float(entry["timestep"]), entry["file"]
+    if not math.isfinite(time):
+        raise ValueError(f"a time in it is {time}")
+    # a run that is continued removes later ones, so these must be its own
+    if not name.endswith(ENDINGS):
+        raise ValueError(f"it lists {name!r:.200}, which is no file of VTK")
+    return time, within(path.parent, name)
 
 
 def write_collection(path: Path, frames: Iterable[tuple[float, Path]]) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from debrisflow.errors import OutputError
 from debrisflow.particles.layers import Layers
-from debrisflow.particles.maxima import Maxima
+from debrisflow.particles.maxima import Maxima, no_maxima
 from debrisflow.particles.record import blank
 from debrisflow.particles.state import State
 from debrisflow.run import checkpoint
@@ -183,3 +183,11 @@ def test_a_state_of_another_case_is_refused(state):
     other.particles.pore_pressure = np.zeros(0)
     with pytest.raises(OutputError, match="does not fit the case: pore_pressure, released;"):
         checkpoint.check_fits(state, other)
+
+
+def test_a_run_that_starts_without_particles_can_go_on():
+    start, state = (State(blank(count), no_maxima(3)) for count in (0, 5))
+    checkpoint.check_fits(state, start)
+    state.particles.density = state.particles.density[:4]
+    with pytest.raises(OutputError, match="does not fit the case: density;"):
+        checkpoint.check_fits(state, start)

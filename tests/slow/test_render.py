@@ -27,7 +27,7 @@ from debrisflow.results.pictures.panels import (
     straightened,
 )
 from debrisflow.results.pictures.render import DOTS, render
-from debrisflow.results.pictures.sheet import CENTIMETERS_PER_INCH, WIDTH
+from debrisflow.results.pictures.sheet import CENTIMETERS_PER_INCH, WIDTH, Layout, Sheet
 from debrisflow.results.pictures.views import Camera, PerspectiveView, SectionView, Tiles, Window
 from debrisflow.run.folder import RunFolder
 from debrisflow.space.scene import scene_of
@@ -355,3 +355,9 @@ class TestMessages:
         assert "000001.vtu is damaged" in self.refused(copy)[1]
         frame.unlink()
         assert "000001.vtu is missing" in self.refused(copy)[1]
+
+
+def test_a_title_with_dollars_is_text():
+    layout = Layout(columns=1, rows=1, width=10.0, height=5.0, left=1.0)
+    sheet = Sheet(1, layout, 50, ("$\\frac{$", "$_$"))
+    sheet.figure.canvas.draw()

@@ -1,11 +1,17 @@
 """The map of a report in a browser: it draws, answers to the mouse, and loads nothing."""
 
+import json
 import shutil
 
 import pytest
+import tomli_w
+from PIL import Image
 from playwright.sync_api import expect, sync_playwright
 
 from debrisflow.results import open_run
+from debrisflow.results.references import read_reference
+from debrisflow.results.report import report
+from debrisflow.results.survey import survey
 from debrisflow.results.terrain_report import terrain_report
 from debrisflow.results.terrain_survey import survey_terrain
 from tests.fan import (
@@ -13,11 +19,13 @@ from tests.fan import (
     fan_case,
     layers,
     terrain,
+    write_classes,
     write_frames,
     write_history,
     write_layers,
     write_ledger,
 )
+from tests.recording import cells, channel_case, placed, record, sliding
 from tests.slow.test_render import written
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -167,3 +175,98 @@ def test_a_click_on_a_probe_shows_its_curves(page):
     page.mouse.click(*on_map(page, EAST + 0.5, NORTH + 100.0))
     assert told.locator("strong").text_content() == "dam"
     assert "discharge, m3/s" in told.text_content()
+
+
+SCRIPT = "</script><script>window.hacked = 1</script>"
+IMAGE = "<img src=x onerror='window.hacked = 1'>"
+QUOTE = "\" onmouseover='window.hacked = 1' x=\""
+HOSTILE = f"{SCRIPT}{IMAGE}{QUOTE} {{{{ 7 * 7 }}}} {{0.__class__}} $\\frac{{$ javascript:hacked()"
+NAME = IMAGE.replace("/", "")  # of a file
+
+
+def made_hostile(folder):
+    """Put hostile words into the log, the summary and the pictures of a run."""
+    (folder / "run.log").write_text(f"2026 WARNING {HOSTILE}\n")
+    words = {"end_reason": HOSTILE, "threading_layer": HOSTILE, "versions": {HOSTILE: HOSTILE}}
+    (folder / "summary.json").write_text(json.dumps(words | {"steps": 3}))
+    (folder / "render").mkdir()
+    Image.new("RGB", (4, 4)).save(folder / "render" / f"{NAME}.png")
+
+
+def hostile_table(file):
+    """Write a table of hazard classes whose words are hostile, and return its path."""
+    known = {"title": HOSTILE, "source": HOSTILE}
+    classes = [
+        {"name": HOSTILE, "color": "#d7191c", "any": [{"peak_depth": "> 1.0"}]},
+        {"name": IMAGE, "color": "#3f6fd0"},
+    ]
+    file.write_text(tomli_w.dumps(known | {"class": classes}))
+    return file
+
+
+def hostile_fan(root, language):
+    """Return the report of a run on a terrain of which all words are hostile."""
+    folder = written(root / NAME, fan_case(root, title=HOSTILE, notes=HOSTILE))
+    grid = GRID._replace(crs=GRID.crs.replace("JGD2011 / Japan Plane", IMAGE))
+    write_layers(folder, grid)
+    write_frames(folder, grid)
+    write_history(folder)
+    write_ledger(folder)
+    write_classes(folder, str(hostile_table(root / f"{NAME}.toml")))
+    made_hostile(folder)
+    (root / f"{NAME}.csv").write_text("time,area\n0,0\n90,100\n")
+    given = [read_reference(root / f"{NAME}.csv")]
+    return terrain_report(survey_terrain(open_run(folder)), given, language)
+
+
+def hostile_flume(root, language):
+    """Return the report of a run in a channel of which all words are hostile."""
+    case = channel_case(title=HOSTILE, notes=HOSTILE)
+    block = placed(case, cells(case, range(50), range(5)), velocity=1.0)
+    folder = record(root / NAME, case, sliding(case, block, (0.0, 0.1, 0.2)))
+    made_hostile(folder)
+    rows = "".join(f"{y},{y}\n" for y in (0.0, 0.5, 1.0))
+    (root / f"{NAME}.csv").write_text(f"y_over_h,{IMAGE}\n{rows}")
+    given = [read_reference(root / f"{NAME}.csv")]
+    return report(survey(open_run(folder)), given, language)
+
+
+@pytest.mark.parametrize("language", ["en", "ja"])
+@pytest.mark.parametrize("make", [hostile_fan, hostile_flume])
+def test_words_from_files_are_text_and_no_script(browser, tmp_path, make, language):
+    tab = browser.new_page()
+    wrong = []
+    tab.on("console", lambda message: wrong.append(message.text))
+    tab.on("pageerror", lambda error: wrong.append(str(error)))
+    tab.on("dialog", lambda dialog: (wrong.append("dialog"), dialog.dismiss()))
+    tab.on("request", lambda one: wrong.append(one.url) if one.url[:4] == "http" else None)
+    page = make(tmp_path, language)
+    tab.goto(page.as_uri())
+    if make is hostile_fan:
+        tab.wait_for_selector("#map[data-ready=yes]", timeout=20_000)
+        for label in tab.locator("[data-part=layers] label").all():
+            label.click()
+        tab.mouse.click(*on_map(tab, EAST, NORTH))
+    assert tab.locator("h1").text_content() == tab.title() == HOSTILE
+    assert tab.locator(".lines").text_content() == HOSTILE
+    assert HOSTILE in tab.locator(".warning").first.text_content()
+    assert tab.evaluate("typeof window.hacked") == "undefined"
+    assert tab.locator("[onerror], [onmouseover], a[href^='javascript']").count() == 0
+    assert tab.locator("script").count() == (2 if make is hostile_fan else 0)
+    assert wrong == []
+    tab.close()
+
+
+def test_a_script_that_got_into_a_page_would_not_run(browser, page_file, tmp_path):
+    text = page_file.read_text()
+    (tmp_path / "page.html").write_text(
+        text.replace("</body>", f"<script>window.hacked = 1</script>{IMAGE}</body>")
+    )
+    tab = browser.new_page()
+    refused = []
+    tab.on("console", lambda message: refused.append(message.text))
+    tab.goto((tmp_path / "page.html").as_uri())
+    tab.wait_for_selector("#map[data-ready=yes]", timeout=20_000)
+    assert tab.evaluate("typeof window.hacked") == "undefined"
+    assert sum("Content Security Policy" in line for line in refused) >= 2
+    tab.close()

@@ -21,6 +21,7 @@ from debrisflow.run.tables import read_table
 from debrisflow.space.ground import ground_of
 
 Floats = NDArray[np.float64]
+MOST_FRAMES = 10**9
 REDUCED: dict[str, Callable[..., Floats]] = {"arrival": np.fmin.reduce, "terrain": np.mean}
 
 
@@ -121,6 +122,13 @@ class Layers:
         if not listing.is_file():
             return []
         table = read_table(listing, needed=("time", "frame"))
+        time, frame = table["time"], table["frame"]
+        if not (
+            np.isfinite(time).all()
+            and np.all(np.diff(time) >= 0.0)
+            and np.all((frame >= 0.0) & (frame < MOST_FRAMES) & (np.floor(frame) == frame))
+        ):
+            raise OutputError(f"{listing} is damaged: its times or numbers are none of frames")
         named = [
             (float(time), f"{FRAME}_{int(number):06d}")
             for time, number in zip(table["time"], table["frame"], strict=True)

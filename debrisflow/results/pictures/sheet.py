@@ -116,7 +116,7 @@ class Sheet:
         place = (x / WIDTH, 1.0 - from_top / self.plan.page)
         if not is_latin(text):  # fonts for Japanese may come without bold letters
             how |= {"fontfamily": families(), "fontweight": "normal"}
-        self.figure.text(*place, text, **how)
+        self.figure.text(*place, text, parse_math=False, **how)
 
     @property
     def pixels(self) -> tuple[int, int]:

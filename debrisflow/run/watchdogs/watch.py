@@ -7,7 +7,7 @@ from pathlib import Path
 from debrisflow.case import ResolvedCase
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.particles.state import State
-from debrisflow.run.folder import CASE
+from debrisflow.run.names import CASE
 from debrisflow.run.watchdogs.balance import Balance
 from debrisflow.run.watchdogs.density import DensityBounds
 from debrisflow.run.watchdogs.energy import EnergyBudget

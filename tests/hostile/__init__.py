@@ -1,0 +1,1 @@
+"""Run folders from people who mean harm, and the readers that they meet."""
