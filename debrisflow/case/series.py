@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Iterator, Sequence
+from io import StringIO
 from math import isfinite
 from pathlib import Path
+
+from debrisflow.case.files import text_of
+
+MOST_BYTES = 16_000_000  # half a million rows, which become part of the case
 
 
 class UnreadableSeriesError(ValueError):
@@ -36,8 +41,7 @@ def read_series(
         If the file cannot be read.
     """
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = list(_rows(file))
+        lines = list(_rows(StringIO(text_of(path, MOST_BYTES), newline="")))
     except UnicodeDecodeError as error:
         raise UnreadableSeriesError("is not a text file in UTF-8") from error
     except csv.Error as error:

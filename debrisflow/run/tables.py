@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.case.files import text_of
 from debrisflow.errors import OutputError
 from debrisflow.run.atomic import replaced
 
+MOST_BYTES = 2_000_000_000  # of a table; that of a long run has some hundred megabytes
 Row = Sequence[float | int | str]
 Table = dict[str, NDArray[np.float64]]
 
@@ -55,12 +57,14 @@ def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Ta
         line of names.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        problem = (
-            "is missing" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}"
-        )
-        raise OutputError(f"{path} {problem}") from error
+        text = text_of(path, MOST_BYTES)
+    except FileNotFoundError as error:
+        raise OutputError(f"{path} is missing") from error
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise OutputError(f"{path} cannot be read: {reason}") from error
+    except UnicodeDecodeError as error:
+        raise OutputError(f"{path} cannot be read: it is not a text file in UTF-8") from error
     whole = text[: text.rfind("\n") + 1 if grows else None].splitlines()
     lines = [line for line in whole if line and not line.startswith("#")]
     if not lines:

@@ -47,6 +47,8 @@ CHANNEL: dict[str, Any] = TANK | {
     "geometry": {"type": "channel", "length": 2.0, "height": 1.0},
     "inflow": {"depth": 0.3},
 }
+WATER = {"type": "block", "x": [0, 0.4], "y": [0, 1], "z": [0, 0.4], "material": "water"}
+RELEASE = {"type": "polygon", "corners": [[40, 40], [60, 40], [60, 60]], "volume": 2000.0}
 VALLEY: dict[str, Any] = TANK | {
     "particles": {"spacing": 4.0},
     "geometry": {"type": "terrain", "dem": "plane.asc"},
@@ -121,8 +123,7 @@ def _hydrograph(path: Path) -> None:
 
 def _motion(path: Path) -> None:
     gate = {"type": "box", "name": "gate", "x": [0.6, 0.7], "y": [0, 1], "z": [0, 1]}
-    fill = {"type": "block", "x": [0, 0.4], "y": [0, 1], "z": [0, 0.4], "material": "water"}
-    _built(TANK | {"obstacle": [gate | {"motion": path.name}], "fill": [fill]}, path.parent)
+    _built(TANK | {"obstacle": [gate | {"motion": path.name}], "fill": [WATER]}, path.parent)
 
 
 def _reference(path: Path) -> None:
@@ -142,9 +143,14 @@ def _mesh(path: Path) -> None:
 
 
 def _dem(path: Path) -> None:
-    release = {"type": "polygon", "corners": [[40, 40], [60, 40], [60, 60]], "volume": 2000.0}
-    tables = {"geometry": {"type": "terrain", "dem": path.name}, "release": [release]}
+    tables = {"geometry": {"type": "terrain", "dem": path.name}, "release": [RELEASE]}
     _built(VALLEY | tables, path.parent)
+
+
+def _prj(path: Path) -> None:
+    """Read a grid anew beside which a file says its system."""
+    shutil.copyfile(path.with_name("plane.asc"), path.with_suffix(".asc"))
+    _dem(path.with_suffix(".asc"))
 
 
 def _release_raster(path: Path) -> None:
@@ -153,7 +159,8 @@ def _release_raster(path: Path) -> None:
 
 def _polygons(path: Path) -> None:
     release = {"type": "polygon", "file": path.name, "volume": 2000.0}
-    zone = {"name": "bed", "file": path.name}
+    friction = {"law": "coulomb", "angle": 20.0}
+    zone = {"name": "bed", "file": path.name, "friction": friction}
     line = {
         "type": "hydrograph",
         "line": path.name,
@@ -244,7 +251,7 @@ def targets() -> dict[str, Target]:
     }
     if find_spec("rasterio") and find_spec("pyogrio"):
         found |= {
-            "prj": Target("plane2.prj", lambda p: _dem(p.with_suffix(".asc")), mutated, systems),
+            "prj": Target("plane2.prj", _prj, mutated, systems),
             "system": Target("input.txt", _system, mutated, systems),
             "tif": Target("input.tif", _dem, mutated, ()),
             "gpkg": Target("input.gpkg", _polygons, mutated, ()),
@@ -273,10 +280,12 @@ def furnish(folder: Path) -> dict[str, list[bytes]]:
     shutil.copytree(ROOT / "cases" / "data", folder / "data", dirs_exist_ok=True)
     plane = _plane()
     write_raster(folder / "plane.asc", plane)
-    write_raster(folder / "plane2.asc", plane)
     release = Raster(plane.grid, np.where(np.abs(plane.values - 90.0) < 5.0, 1.0, 0.0))
     write_raster(folder / "masses.asc", release)
-    for name, tables in (("tank", TANK), ("valley", VALLEY)):
+    for name, tables in (
+        ("tank", TANK | {"fill": [WATER]}),
+        ("valley", VALLEY | {"release": [RELEASE]}),
+    ):
         (folder / f"{name}.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
     for kind in ("stl", "obj", "ply"):
         _write_tetrahedron(folder / f"solid.{kind}")
