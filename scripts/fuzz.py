@@ -14,12 +14,12 @@ import faulthandler
 import json
 import os
 import resource
-import shutil
 import signal
 import subprocess
 import sys
 import time
 import traceback
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from random import Random
@@ -196,7 +196,7 @@ def one_target(name: str, options: dict[str, Any]) -> None:
         import atheris
 
         with atheris.instrument_imports(include=list(INSTRUMENTED)):
-            import tests.untrusted.targets
+            import_module("tests.untrusted.targets")
     from tests.untrusted.targets import furnish
 
     with TemporaryDirectory(dir=IN_MEMORY if Path(IN_MEMORY).is_dir() else None) as folder:

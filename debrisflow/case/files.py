@@ -8,11 +8,9 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from errno import EFBIG, EINVAL
+from io import BufferedReader
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
-from typing import BinaryIO
-
-from debrisflow.case.memory import size
 
 MOST_TEXT = 64_000_000  # bytes, of a table, a list of classes or a file of polygons
 MOST_BINARY = 4_000_000_000  # bytes, of a mesh or a raster
@@ -40,11 +38,11 @@ def _checked(state: os.stat_result, most: int) -> os.stat_result:
     if not S_ISREG(state.st_mode):
         raise OSError(EINVAL, "is a pipe or a device and no file")
     if state.st_size > most:
-        raise OSError(EFBIG, f"has {size(state.st_size)}, more than the {size(most)} allowed")
+        raise OSError(EFBIG, f"has {state.st_size:,} bytes, more than the {most:,} allowed")
     return state
 
 
-def opened(path: Path, most: int = MOST_TEXT) -> BinaryIO:
+def opened(path: Path, most: int = MOST_TEXT) -> BufferedReader:
     """Open a file for reading; errors as those of :func:`regular`."""
     regular(path, most)
     file = open(path, "rb", opener=lambda name, flags: os.open(name, flags | AT_ONCE))  # noqa: SIM115
@@ -91,5 +89,5 @@ def text_of(path: Path, most: int = MOST_TEXT) -> str:
     with opened(path, most) as file:
         content = file.read(most + 1)
     if len(content) > most:
-        raise OSError(EFBIG, f"has more than the {size(most)} allowed")
+        raise OSError(EFBIG, f"has more than the {most:,} bytes allowed")
     return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
