@@ -36,6 +36,7 @@ DEAD = 3.0 * HANG  # s, after which a hang within a library ends the process
 MOST_MEMORY = 8 << 30  # bytes of addresses, beyond which an allocation fails
 QUICK = 400  # inputs a target
 IN_MEMORY = "/dev/shm"  # where there is one: the inputs wear no disk
+LATE = 60.0  # s, by which a process may end after its time
 STARTS = 20  # of the process of a target, which a crash ends
 INSTRUMENTED = (
     "debrisflow.case",
@@ -233,16 +234,27 @@ def in_processes(name: str, options: dict[str, Any]) -> dict[str, Any]:
                 "seed": options["seed"] + start,
             }
             command = [sys.executable, __file__, "--one", json.dumps(own), name]
-            made = subprocess.run(command, capture_output=True, text=True, errors="replace")
+            code, said = _ended(command, own["seconds"] + LATE)
             figures = Path(own["figures"])
             if figures.is_file():
                 _add(total, json.loads(figures.read_text()))
-        if made.returncode == 0:
+        if code == 0:
             break
         total["deaths"] += 1
-        key = f"process ended by {made.returncode}: {' '.join(made.stderr.split())[-300:]}"
+        key = f"process ended by {code}: {' '.join(said.split())[-300:]}"
         total["tracebacks"][key] = total["tracebacks"].get(key, 0) + 1
     return total
+
+
+def _ended(command: list[str], seconds: float) -> tuple[int | str, str]:
+    """Return the exit code of a process and what it said; one that does not end is killed."""
+    try:
+        made = subprocess.run(
+            command, capture_output=True, text=True, errors="replace", timeout=seconds
+        )
+    except subprocess.TimeoutExpired:
+        return "no end", f"within {seconds:.0f} s"
+    return made.returncode, made.stderr
 
 
 def _add(total: dict[str, Any], part: dict[str, Any]) -> None:

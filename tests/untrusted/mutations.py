@@ -163,7 +163,7 @@ def _change(holder: Any, key: Any, random: Random, words: Words) -> None:
     how = random.random()
     if isinstance(value, float | int) and not isinstance(value, bool) and how < 0.4:
         factors = (-1, 0.001, 1000.0, 1e-6, 1e6, 0.9, 1.1, 0.5, 2.0, 1e12, 1e-12)
-        holder[key] = value * random.choice(factors)
+        holder[key] = min(max(value, -1e300), 1e300) * random.choice(factors)
     elif how < 0.7:
         holder[key] = deepcopy(random.choice(EXTREMES))
     elif how < 0.8:
