@@ -166,7 +166,9 @@ def lattice_points(mesh: MeshFill | MeshObstacle, particles: Particles) -> NDArr
 
     Then the check of the memory, which is made before any array, shall speak.
     """
-    if occupied(mesh).volume / particles.spacing**3 > MOST_CELLS:
+    box = occupied(mesh)
+    sides = ((b - a) / particles.spacing for a, b in zip(box.lower, box.upper, strict=True))
+    if prod(max(side, 1.0) for side in sides) > MOST_CELLS:  # also of a flat mesh
         return None
     return cells_inside(surface_of(mesh), particles.spacing)
 

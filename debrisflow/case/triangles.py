@@ -22,6 +22,7 @@ Cells = NDArray[np.int64]
 FORMATS = ("stl", "obj", "ply")
 MOST_BYTES = 1_000_000_000
 FARTHEST = 1.0e9  # in the lengths of a file
+MOST_TRIED = 2.0e6  # columns of cells under triangles that are looked at together
 LONGEST_HEAD, MOST_DIGITS = 65_536, 12  # bytes of a PLY file, digits of its counts
 
 # Vertices nearer than this share of the size of a mesh are one: an STL file repeats each vertex in
@@ -182,7 +183,7 @@ def cells_inside(surface: Surface, spacing: float) -> Cells:
     (n, 3) int64 array
         Cell k reaches from k to k + 1 spacings along each axis.
     """
-    column, height = _crossings(surface.corners / spacing)
+    column, height = _crossings_by_parts(surface.corners / spacing)
     order = np.lexsort((height, *column.T))
     column, height = column[order], height[order]
     begins = np.ones(len(column), dtype=bool)
@@ -196,6 +197,19 @@ def cells_inside(surface: Surface, spacing: float) -> Cells:
     return np.column_stack(
         [np.repeat(column[enters], count, axis=0), np.repeat(bottom, count) + up]
     )
+
+
+def _crossings_by_parts(corners: Floats) -> tuple[Cells, Floats]:
+    """Return the crossings of all triangles, found for a part of them at a time.
+
+    That bounds the memory where many triangles lie over each other.
+    """
+    size = np.ptp(corners[:, :, :2], axis=1) + 1.0
+    part = np.cumsum(size[:, 0] * size[:, 1]) // MOST_TRIED
+    borders = np.flatnonzero(np.diff(part)) + 1
+    found = [_crossings(some) for some in np.split(corners, borders)]
+    columns, heights = zip(*found, strict=True)
+    return np.concatenate(columns), np.concatenate(heights)
 
 
 def _crossings(corners: Floats) -> tuple[Cells, Floats]:

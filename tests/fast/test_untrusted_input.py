@@ -21,13 +21,18 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from debrisflow.case import build_case, load_case, rasters
+from debrisflow.case import build_case, load_case, rasters, triangles
 from debrisflow.case.overrides import parse_value
 from debrisflow.case.rasters import UnreadableRasterError, read_raster
 from debrisflow.case.reference_systems import differ, wkt_of
 from debrisflow.case.regions import Region, volume_left
 from debrisflow.case.series import UnreadableSeriesError, read_series
-from debrisflow.case.triangles import UnreadableSurfaceError, read_surface
+from debrisflow.case.triangles import (
+    Surface,
+    UnreadableSurfaceError,
+    cells_inside,
+    read_surface,
+)
 from debrisflow.case.vectors import UnreadableVectorsError, read_polygons, write_polygons
 from debrisflow.errors import CaseError, DebrisflowError, OutputError
 from debrisflow.results.hazard_classes import read_classes
@@ -322,6 +327,15 @@ def test_meshes_of_impossible_numbers(tmp_path: Path) -> None:
     text.with_name("b.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -3\n")
     with pytest.raises(UnreadableSurfaceError, match="not a readable OBJ file"):
         read_surface(text.with_name("b.obj"))
+
+
+def test_triangles_in_parts_enclose_the_same_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    corner = 4.0 * np.vstack([np.zeros(3), np.eye(3)])
+    surface = Surface(corner[[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]])
+    whole = cells_inside(surface, 0.3)
+    monkeypatch.setattr(triangles, "MOST_TRIED", 10.0)
+    np.testing.assert_array_equal(cells_inside(surface, 0.3), whole)
+    assert len(whole) > 300
 
 
 def test_many_regions_take_little_memory() -> None:
