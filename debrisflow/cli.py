@@ -32,6 +32,14 @@ class Commands(click.Group):
         except DebrisflowError as error:
             click.echo(error, err=True)
             ctx.exit(error.exit_code)
+        except MemoryError as error:
+            detail = f" ({error})" if str(error) else ""
+            click.echo(
+                f"the memory of this machine is used up{detail}; debrisflow check says what a case "
+                "needs",
+                err=True,
+            )
+            ctx.exit(DebrisflowError.exit_code)
         except KeyboardInterrupt as stop:
             goes_on = ctx.invoked_subcommand in ("run", "resume")
             how = "; the run goes on with: debrisflow resume RUN" if goes_on else ""

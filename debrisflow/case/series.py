@@ -51,6 +51,8 @@ def read_series(
         if name not in header:
             found = f", only {', '.join(header)}" if header else ""
             raise UnreadableSeriesError(f"has no column '{name}'{found}")
+        if header.count(name) > 1:
+            raise UnreadableSeriesError(f"has two columns '{name}'")
     place = {name: header.index(name) for name in (*columns, *optional) if name in header}
     series: dict[str, list[float]] = {name: [] for name in place}
     for number, row in lines[1:]:

@@ -70,6 +70,8 @@ def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Ta
     if not lines:
         raise OutputError(f"{path} is damaged: it names no columns")
     names = [name.strip() for name in lines[0].split(",")]
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+        raise OutputError(f"{path} is damaged: it has two columns {twice[0]}")
     if missing := [name for name in needed if name not in names]:
         raise OutputError(f"{path} has no column {missing[0]}, but {', '.join(names)}")
     if not lines[1:]:

@@ -18,6 +18,7 @@ from random import Random
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -34,6 +35,7 @@ from debrisflow.case.triangles import (
     read_surface,
 )
 from debrisflow.case.vectors import UnreadableVectorsError, read_polygons, write_polygons
+from debrisflow.cli import main
 from debrisflow.errors import CaseError, DebrisflowError, OutputError
 from debrisflow.results.hazard_classes import read_classes
 from debrisflow.results.references import read_reference
@@ -336,6 +338,25 @@ def test_triangles_in_parts_enclose_the_same_cells(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(triangles, "MOST_TRIED", 10.0)
     np.testing.assert_array_equal(cells_inside(surface, 0.3), whole)
     assert len(whole) > 300
+
+
+def test_columns_of_one_name_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("time,front,front\n0,1,2\n1,2,3\n")
+    with pytest.raises(OutputError, match="two columns front"):
+        read_reference(path)
+    with pytest.raises(UnreadableSeriesError, match="two columns 'front'"):
+        read_series(path, ("time", "front"))
+
+
+def test_the_end_of_the_memory_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise MemoryError("Unable to allocate 9 TiB")
+
+    monkeypatch.setattr("debrisflow.case.load_case", fail)
+    result = CliRunner().invoke(main, ["check", "case.toml"])
+    assert result.exit_code == 1
+    assert "memory of this machine is used up (Unable to allocate 9 TiB)" in result.output
 
 
 def test_many_regions_take_little_memory() -> None:
