@@ -48,7 +48,10 @@ INSTRUMENTED = (
     "meshio.ply",
     "tomllib",
 )
-LOADERS = ("case/*", "results/references.py", "results/hazard_classes.py")
+LOADERS = [
+    str(ROOT / "debrisflow" / part)
+    for part in ("case/*", "results/references.py", "results/hazard_classes.py")
+]
 
 
 class HangError(BaseException):
@@ -186,11 +189,8 @@ def one_target(name: str, options: dict[str, Any]) -> None:
     if options["coverage"]:
         from coverage import Coverage
 
-        package = ROOT / "debrisflow"
         measured = Coverage(
-            data_file=options["coverage"],
-            data_suffix=True,
-            include=[f"{package}/{p}" for p in LOADERS],
+            options["coverage"], data_suffix=True, config_file=False, include=LOADERS
         )
         measured.start()
     elif options["guided"]:
@@ -269,9 +269,9 @@ def print_coverage(data_file: str) -> None:
     """Print the share of the lines of the loaders that the inputs ran."""
     from coverage import Coverage
 
-    measured = Coverage(data_file=data_file)
+    measured = Coverage(data_file, config_file=False, include=LOADERS)
     measured.combine()
-    measured.report(show_missing=False, skip_covered=False)
+    measured.report()
 
 
 @click.command()
@@ -318,20 +318,20 @@ def main(
             "kept": str(Path(keep).absolute()),
         }
         click.echo(f"mutations {'guided by coverage' if guided else 'at random'}")
-        failed = sum(_told(name, in_processes(name, options)) for name in names or known)
+        failed = inputs = 0
+        for name in names or known:
+            found = in_processes(name, options)
+            failed += _told(name, found)
+            inputs += found["inputs"]
+        click.echo(f"in total    {inputs:>7,} inputs, {failed} of them tracebacks or hangs")
         if covers:
             print_coverage(options["coverage"])
     raise SystemExit(1 if failed else 0)
 
 
-TOTAL = {"inputs": 0, "faults": 0}
-
-
 def _told(name: str, found: dict[str, Any]) -> int:
     """Print a line on a target, and each fault; return the number of its faults."""
     faults = sum(found["tracebacks"].values())
-    TOTAL["inputs"] += found["inputs"]
-    TOTAL["faults"] += faults
     click.echo(
         f"{name:<11} {found['inputs']:>7,} inputs, {found['accepted']:>7,} accepted, "
         f"{faults - found['hangs']} tracebacks, {found['hangs']} hangs, "

@@ -240,7 +240,9 @@ def _read_by_gdal(path: Path) -> tuple[list[Any], str]:
             )
         if not layers:
             return [], ""
-        meta, _, shapes, _ = pyogrio.raw.read(path, layer=layers[0], columns=[], force_2d=True)
+        with warnings.catch_warnings():  # of rings that do not close, which are refused below
+            warnings.simplefilter("ignore")
+            meta, _, shapes, _ = pyogrio.raw.read(path, layer=layers[0], columns=[], force_2d=True)
         return list(shapely.from_wkb(shapes)), meta["crs"] or ""
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
