@@ -34,7 +34,7 @@ sys.path.insert(0, str(ROOT))
 HANG = 10.0  # s, in which an input must be done with
 DEAD = 3.0 * HANG  # s, after which a hang within a library ends the process
 MOST_MEMORY = 8 << 30  # bytes of addresses, beyond which an allocation fails
-QUICK = 400  # inputs a target
+QUICK = 250  # inputs a target
 IN_MEMORY = "/dev/shm"  # where there is one: the inputs wear no disk
 LATE = 60.0  # s, by which a process may end after its time
 STARTS = 20  # of the process of a target, which a crash ends
@@ -176,7 +176,7 @@ def fuzz_by_coverage(tally: Tally, samples: list[bytes], seed: int, corpus: Path
         if tally.is_over:
             os._exit(0)
 
-    options = [f"-seed={seed}", "-timeout=0", "-rss_limit_mb=0", "-max_len=20000", "-verbosity=0"]
+    options = [f"-seed={seed}", "-timeout=0", "-rss_limit_mb=0", "-max_len=200000", "-verbosity=0"]
     atheris.Setup(["fuzz", *options, str(corpus)], try_one, custom_mutator=mutate)
     atheris.Fuzz()
     os._exit(0)
