@@ -36,6 +36,14 @@ class Commands(click.Group):
             click.echo(error, err=True)
             tell(error, error.exit_code, str(error))
             ctx.exit(error.exit_code)
+        except MemoryError as error:
+            detail = f" ({error})" if str(error) else ""
+            click.echo(
+                f"the memory of this machine is used up{detail}; debrisflow check says what a case "
+                "needs",
+                err=True,
+            )
+            ctx.exit(DebrisflowError.exit_code)
         except KeyboardInterrupt as stop:
             goes_on = ctx.invoked_subcommand in ("run", "resume")
             message = "interrupted" + (f"; {GOES_ON}" if goes_on else "")

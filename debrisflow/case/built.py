@@ -143,7 +143,7 @@ def _multiple(count: int, spacing: float) -> float:
 
 def enough(length: float, spacing: float) -> float:
     """Return the greatest spacing, m, not above a given one, of which a length is a multiple."""
-    return length / ceil(length / spacing - TOLERANCE)
+    return length / max(ceil(length / spacing - TOLERANCE), 1)
 
 
 def _geometry(shape: Geometry, particles: Particles) -> Geometry:

@@ -31,9 +31,10 @@ from debrisflow.case.defaults import (
     phases,
     viscous_limits,
 )
-from debrisflow.case.estimate import available_memory, estimate, size
+from debrisflow.case.estimate import estimate
 from debrisflow.case.hydrograph import faults_of
 from debrisflow.case.materials import Mixture, Sediment, Water
+from debrisflow.case.memory import available_memory, size
 from debrisflow.case.problems import Problem, Problems, was_set
 from debrisflow.case.regions import TOLERANCE, section_of_supply
 from debrisflow.case.releases import AnyRelease, Hydrograph, HydrographRelease

@@ -9,6 +9,7 @@ from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any
 
+from debrisflow.case.files import MOST_BINARY, opened
 from debrisflow.case.loading import dump_case
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.errors import CaseError
@@ -93,7 +94,7 @@ def _with_content(part: Any) -> Any:
 
 def _digest(file: Path) -> str:
     try:
-        with file.open("rb") as content:
+        with opened(file, MOST_BINARY) as content:
             return file_digest(content, "sha256").hexdigest()
     except OSError as error:
         reason = (error.strerror or str(error)).lower()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path, PurePath
@@ -17,8 +16,10 @@ from pydantic_core import ErrorDetails
 from debrisflow.case.checks import cross_check
 from debrisflow.case.defaults import complete
 from debrisflow.case.fields import NONE, Table
+from debrisflow.case.files import text_of
 from debrisflow.case.former_names import use_present_names
 from debrisflow.case.hydrograph import inline_hydrograph
+from debrisflow.case.magnitudes import faults_of_size
 from debrisflow.case.map_files import find_map_files
 from debrisflow.case.meshes import find_meshes
 from debrisflow.case.motion_files import inline_motions
@@ -27,10 +28,17 @@ from debrisflow.case.problems import Problem, by_name, locate, translate
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.case.tables import Case, follow_dimension
 from debrisflow.case.text_checks import plain_texts
+from debrisflow.case.toml_text import (
+    MOST_BYTES,
+    WrongTomlError,
+    fault_of_structure,
+    tables_of,
+)
 from debrisflow.errors import CaseError
 
 # Two or three numbers, which the writer spreads over as many lines and two.
 _FEW_NUMBERS = re.compile(r"\[\n((?: *[-+.\w]+,\n){2,3}) *\]")
+MOST_TOLD = 100  # problems of a case
 _HEAD = """\
 # Resolved case: every default is written out, so that the run can be repeated from this file.
 # A value that followed from another when it was left out does not follow it any more.
@@ -114,11 +122,13 @@ def _checked(
     name : str
         Of the case, at the head of a list of errors.
     """
+    _expect_sound(data, name)
     former_names, problems = use_present_names(data)
     renamed, wrong_ones = apply_overrides(data, overrides)
+    _expect_sound(data, name)
     also_former, given_twice = use_present_names(data)  # in the values of the overrides
     former_names += [*renamed, *also_former]
-    problems += [*wrong_ones, *given_twice, *plain_texts(data)]
+    problems += [*wrong_ones, *given_twice]
     unread = find_meshes(data, folder)
     for table, reasons in find_map_files(data, folder).items():
         unread.setdefault(table, []).extend(reasons)
@@ -126,17 +136,29 @@ def _checked(
         unread["inflow"] = supply
     if moves := inline_motions(data, folder):
         unread.setdefault("obstacle", []).extend(moves)
+    for fault in faults_of_size(data):
+        unread.setdefault(fault.key.partition(".")[0], []).append(fault)
     tables, wrong = _build(data)
     for table, reasons in unread.items():
         tables.pop(table, None)
         problems += reasons
     problems += wrong + cross_check(tables)
+    faulty = {problem.key for problem in wrong}
+    problems += [problem for problem in plain_texts(data) if problem.key not in faulty]
     if problems:
         count = f"{len(problems)} error" + ("s" if len(problems) > 1 else "")
-        lines = (f"  {by_name(problem, data)}" for problem in problems)
+        if len(problems) > MOST_TOLD:
+            count = f"more than {MOST_TOLD} errors, of which the first are"
+        lines = [f"  {by_name(problem, data)}" for problem in problems[:MOST_TOLD]]
         raise CaseError("\n".join([f"{name}: {count}", *lines]))
     case = complete(Case.model_validate(data))
     return case.keep(case.asked, tuple(former_names))
+
+
+def _expect_sound(data: dict[str, Any], name: str) -> None:
+    """Refuse tables that are nested too deep, or hold what no file of a case may hold."""
+    if fault := fault_of_structure(data):
+        raise CaseError(f"{name}: {fault}")
 
 
 def _as_read(value: Any) -> Any:
@@ -206,15 +228,15 @@ def _with_units(node: Any) -> Any:
 def _read(path: Path) -> dict[str, Any]:
     """Return the contents of a TOML file, with the comment at its head as its notes."""
     try:
-        text = path.read_text(encoding="utf-8")
-        return {"notes": _head_comment(text)} | tomllib.loads(text)
+        text = text_of(path, MOST_BYTES)
+        return {"notes": _head_comment(text)} | tables_of(text)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise CaseError(f"{path}: cannot be read: {reason}") from error
     except UnicodeDecodeError as error:
         raise CaseError(f"{path}: is not a text file in UTF-8") from error
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(f"{path}: is not valid TOML: {error}") from error
+    except WrongTomlError as error:
+        raise CaseError(f"{path}: {error}") from error
 
 
 def _head_comment(text: str) -> str:
@@ -242,21 +264,15 @@ def _build(data: dict[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         return dict(Case.model_validate(data)), []
     except ValidationError as error:
         errors = _first_faults(error.errors(include_url=False))
-    problems = [problem for item in errors if (problem := translate(item, data))]
+    problems = [problem for item in errors[: MOST_TOLD + 1] if (problem := translate(item, data))]
     unknown = [locate(item["loc"]).keys for item in errors if item["type"] == "extra_forbidden"]
     return _buildable(_without(data, unknown)), problems
 
 
 def _first_faults(errors: list[ErrorDetails]) -> list[ErrorDetails]:
     """Return errors without lists that are short only because some of their numbers are wrong."""
-    places = [item["loc"] for item in errors]
-
-    def follows(item: ErrorDetails) -> bool:
-        place = item["loc"]
-        inside = (other for other in places if len(other) > len(place))
-        return item["type"] == "too_short" and any(o[: len(place)] == place for o in inside)
-
-    return [item for item in errors if not follows(item)]
+    around = {item["loc"][:k] for item in errors for k in range(len(item["loc"]))}
+    return [item for item in errors if item["type"] != "too_short" or item["loc"] not in around]
 
 
 def _buildable(data: dict[str, Any]) -> dict[str, Any]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
+import re
 from collections.abc import Sequence
 from typing import Any
 
 from debrisflow.case.former_names import present_key
 from debrisflow.case.problems import Problem
+from debrisflow.case.toml_text import WrongTomlError, tables_of
 from debrisflow.case.words import did_you_mean, either
 
+ENTRY = re.compile(r"[0-9]{1,9}")  # of an array, by its number
 # Fields of which one stands for the others: setting it takes the others out of the file.
 _ALTERNATIVES = (
     ({"inflow.discharge"}, {"inflow.velocity"}, {"inflow.hydrograph"}),
@@ -78,8 +80,8 @@ def parse_value(text: str) -> Any:
     (0.01, [0, 1], 'study')
     """
     try:
-        parsed = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+        parsed = tables_of(f"value = {text}")
+    except WrongTomlError:
         return text.strip()
     return parsed["value"] if len(parsed) == 1 else text
 
@@ -92,7 +94,7 @@ def _assign(data: dict[str, Any], parts: list[str], value: Any) -> Problem | Non
         step: str | int = part
         if isinstance(node, list):
             names = [item.get("name") if isinstance(item, dict) else None for item in node]
-            if part.isdecimal() and int(part) < len(node):
+            if ENTRY.fullmatch(part) and int(part) < len(node):
                 step = int(part)
             elif part in names:
                 step = names.index(part)

@@ -15,8 +15,9 @@ from debrisflow.case.words import ABSENT, NEAR, did_you_mean, either, nearest
 
 Problems = Iterator["Problem"]
 LONGEST_VALUE = 60
+CHOOSERS = ("type", "law")  # fields by which one of several tables is chosen
 MOST_SUGGESTED = 3  # keys of other tables
-_ENTRY = re.compile(r"\b([a-z]+)\.(\d+)\b")
+_ENTRY = re.compile(r"\b([a-z]+)\.([0-9]{1,9})\b")
 
 
 class Problem(NamedTuple):
@@ -141,10 +142,19 @@ def _tables(annotation: Any) -> Iterator[type[Table]]:
         yield from _tables(inner)
 
 
+def _chooser(table: type[Table]) -> str | None:
+    """Return the field by which a table is chosen among others: one that admits one word."""
+    for name in CHOOSERS:
+        field = table.model_fields.get(name)
+        if field is not None and len(get_args(field.annotation)) == 1:
+            return name
+    return None
+
+
 def _tag(table: type[Table]) -> str | None:
-    """Return the value of ``type`` by which a table is chosen among others."""
-    field = table.model_fields.get("type")
-    return get_args(field.annotation)[0] if field else None
+    """Return the word by which a table is chosen among others."""
+    name = _chooser(table)
+    return get_args(table.model_fields[name].annotation)[0] if name else None
 
 
 def _is_union(field: FieldInfo | None) -> bool:
@@ -194,9 +204,9 @@ def translate(error: Mapping[str, Any], data: Mapping[str, Any]) -> Problem | No
         choices = tuple(_choices(place.field))
         message = f"must be {either(choices)}" + did_you_mean(value, choices)
         return Problem(place.key, message, value)
-    if error["loc"][-1] == "str":
+    if error["loc"][-1:] == ("str",):
         return None
-    if error["loc"][-1] in ("Hydrograph", "Motion"):
+    if error["loc"][-1:] in (("Hydrograph",), ("Motion",)):
         return Problem(place.key, "must be a table or the name of a CSV file", value)
     tell = _MESSAGES.get(kind)
     message = tell(error.get("ctx", {}), place) if tell else error["msg"].lower()
@@ -215,14 +225,14 @@ def _missing(place: Place) -> Problem:
 
 
 def _wrong_tag(place: Place, value: Any) -> Problem:
-    """Tell which values of ``type`` there are."""
-    known = [
-        tag for table in _tables(place.field and place.field.annotation) if (tag := _tag(table))
-    ]
-    key = f"{place.key}.type"
-    if "type" not in value:
+    """Tell by which words a table is chosen."""
+    tables = list(_tables(place.field and place.field.annotation))
+    known = [tag for table in tables if (tag := _tag(table))]
+    name = next(filter(None, map(_chooser, tables)), CHOOSERS[0])
+    key = f"{place.key}.{name}"
+    if name not in value:
         return Problem(key, f"missing: {either(known)}")
-    given = value["type"]
+    given = value[name]
     return Problem(key, f"must be {either(known)}" + did_you_mean(given, known), given)
 
 

@@ -1,7 +1,8 @@
 """Rasters on a map: grids of equal square cells, north up, read from and written to files.
 
-ESRI ASCII grids are read and written here; GeoTIFF and whatever else GDAL knows by rasterio, which
-is imported by what needs it, since most cases have no terrain.
+ESRI ASCII grids are read and written here; GeoTIFF by rasterio, which is imported by what needs it,
+since most cases have no terrain.  GDAL opens nothing else: some of its formats are lists of other
+files, or addresses in a network.
 """
 
 from __future__ import annotations
@@ -10,13 +11,16 @@ import re
 import warnings
 from collections.abc import Mapping
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.reference_systems import METRE, fault_of_heights
+from debrisflow.case.files import MOST_BINARY, expect_regular_beside, opened, regular
+from debrisflow.case.memory import available_memory, size
+from debrisflow.case.reference_systems import LONGEST_WKT, METRE, fault_of_heights
 
 Floats = NDArray[np.float64]
 Stamp = tuple[int, int]
@@ -26,15 +30,18 @@ INSTALL = (
     "is read by rasterio, which is not installed: pip install rasterio pyogrio "
     '(the extra "terrain")'
 )
+FARTHEST = 1.0e9  # m, of a place on a map
 LARGEST_NUMBER = 1.0e30  # what lies beyond stands for "no data" in many programs
 MOST_CELLS = 400_000_000  # 3 GiB of levels
+BYTES_A_CELL = 60  # while a file is read
+NOT_PLAIN = "is not an ESRI ASCII grid: it is not plain text"
+LINES_AT_ONCE = 1000
+MOST_NAMES = 20  # at the head of an ESRI ASCII grid
+LONGEST_LINE = 50_000_000  # bytes
+BESIDE = (".aux.xml", ".msk", ".ovr")  # what GDAL reads beside a file, its name as it is
+BESIDE_STEM = (".tfw", ".tifw", ".wld", ".aux")  # and in the place of its ending
 MOST_SHORTENED = 4000  # cells for each byte of a file, of which the rest may be empty
 SLACK = 4_000_000  # cells that any file may claim
-DRIVERS = (
-    "GTiff", "AAIGrid", "HFA", "EHdr", "ENVI", "SAGA", "GSAG", "GSBG", "GS7BG", "SRTMHGT",
-    "USGSDEM", "DTED", "netCDF", "XYZ", "PCRaster", "RST", "JP2OpenJPEG",
-)  # fmt: skip
-"""Of GDAL, by which a raster may be read: those that name no other files and no servers."""
 UNEVEN = 1.0e-6  # by which the sides of a cell may differ
 
 
@@ -154,6 +161,7 @@ def read_raster(path: Path) -> Raster:
         degrees or feet.
     """
     try:
+        regular(path, MOST_BINARY)
         return _read(path, stamp_of(path))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
@@ -231,28 +239,25 @@ def _rasterio() -> Any:
 
 def _read_by_gdal(path: Path) -> Raster:
     rasterio = _rasterio()
+    expect_regular_beside(path, BESIDE, BESIDE_STEM)
     try:
-        with _opened(path) as file:
+        with warnings.catch_warnings():  # of a file without a place, which is refused below
+            warnings.simplefilter("ignore")
+            file = rasterio.open(path, driver="GTiff")
+        with file:
             grid = _grid_of(file)
             _must_hold(path, grid)
+            if np.dtype(file.dtypes[0]).kind not in "iuf":
+                raise UnreadableRasterError(f"holds {file.dtypes[0]} numbers, which are no levels")
             stored = file.read(1, masked=True).astype(np.float64).filled(np.nan)
-            values = stored * file.scales[0] + file.offsets[0]
-    except rasterio.errors.RasterioError as error:
+            scale, offset = file.scales[0], file.offsets[0]
+    except UnreadableRasterError:
+        raise
+    except (rasterio.errors.RasterioError, RuntimeError, ValueError) as error:
         raise UnreadableRasterError(f"cannot be read as a raster: {error}") from error
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = stored * scale + offset
     return Raster(grid, np.where(np.isnan(_without_sentinels(stored)), np.nan, values))
-
-
-def _opened(path: Path) -> Any:
-    """Return a raster, open, by the first driver that knows it."""
-    rasterio, first = _rasterio(), None
-    for driver in DRIVERS:
-        try:
-            with warnings.catch_warnings():  # of a file without a place, which is refused later
-                warnings.simplefilter("ignore")
-                return rasterio.open(path, driver=driver)
-        except rasterio.errors.RasterioError as error:
-            first = first or error
-    raise UnreadableRasterError(f"cannot be read as a raster: {first}") from first
 
 
 def _must_hold(path: Path, grid: MapGrid) -> None:
@@ -313,12 +318,23 @@ def _sound(grid: MapGrid) -> MapGrid:
     """Return a grid of which the numbers can be right."""
     if not (np.isfinite([grid.west, grid.south, grid.cell]).all() and grid.cell > 0.0):
         raise UnreadableRasterError("has a corner or a cell that is no number or not positive")
+    if max(abs(grid.west), abs(grid.south)) > FARTHEST or not 1 / FARTHEST < grid.cell < FARTHEST:
+        raise UnreadableRasterError(
+            f"has a corner at {grid.west:g}, {grid.south:g} and cells of {grid.cell:g} m, which "
+            "are no lengths on a map"
+        )
     if grid.columns < 1 or grid.rows < 1:
         raise UnreadableRasterError("has no cells")
     if grid.columns * grid.rows > MOST_CELLS:
         raise UnreadableRasterError(
             f"has {grid.columns} x {grid.rows} cells, more than {MOST_CELLS:.0e}; cut out what is "
             "needed"
+        )
+    needed, available = BYTES_A_CELL * grid.columns * grid.rows, available_memory()
+    if available is not None and needed > available:
+        raise UnreadableRasterError(
+            f"has {grid.columns} x {grid.rows} cells, which need {size(needed)} of memory to be "
+            f"read; {size(available)} are available; cut out what is needed"
         )
     return grid
 
@@ -329,29 +345,59 @@ def _without_sentinels(values: Floats) -> Floats:
 
 def _read_ascii(path: Path) -> Raster:
     """Return an ESRI ASCII grid; the file beside it that ends on .prj tells its system."""
-    try:
-        lines = path.read_text(encoding="ascii").splitlines()
-    except UnicodeDecodeError as error:
-        raise UnreadableRasterError("is not an ESRI ASCII grid: it is not plain text") from error
-    head: dict[str, float] = {}
-    for line in lines:
-        words = line.split()
-        if len(words) != 2 or not words[0][0].isalpha() or words[0].lower() == "nan":
-            break
-        head[words[0].lower()] = _number(words[1], words[0])
-    grid = _sound(_ascii_grid(head, _prj_of(path)))
-    text = " ".join(lines[len(head) :])
-    try:
-        values = np.array(text.split(), dtype=np.float64)
-    except ValueError as error:
-        raise UnreadableRasterError(f"holds what is no number: {error}") from error
-    if values.size != grid.columns * grid.rows:
+    with opened(path, MOST_BINARY) as file:
+        head, first = _head_of(file)
+        grid = _sound(_ascii_grid(head, _prj_of(path)))
+        count = grid.columns * grid.rows
+        values = _values_of(file, first, count)
+    if values.size != count:
         raise UnreadableRasterError(
             f"holds {values.size} values where {grid.columns} columns by {grid.rows} rows make "
-            f"{grid.columns * grid.rows}; the file may be cut short"
+            f"{count}; the file may be cut short"
         )
     values[values == head.get("nodata_value", NODATA)] = np.nan
     return Raster(grid, _without_sentinels(values.reshape(grid.shape)))
+
+
+def _head_of(file: BinaryIO) -> tuple[dict[str, float], bytes]:
+    """Return the names and numbers at the head of a grid, and its first line of values."""
+    head: dict[str, float] = {}
+    while line := _line(file):
+        if not line.isascii():
+            raise UnreadableRasterError(NOT_PLAIN)
+        words = line.split()
+        is_name = len(words) == 2 and words[0][:1].isalpha() and words[0].lower() != b"nan"
+        if not is_name or len(head) > MOST_NAMES:
+            break
+        name = words[0].decode("ascii")
+        if name.lower() in head:
+            raise UnreadableRasterError(f"has two lines of {name}")
+        head[name.lower()] = _number(words[1].decode("ascii"), name)
+    return head, line
+
+
+def _values_of(file: BinaryIO, line: bytes, count: int) -> Floats:
+    """Return the values of a grid from a line on, not many more than a given number."""
+    parts, found = [], 0
+    while line and found <= count:
+        lines = line + b"".join(islice(iter(lambda: _line(file), b""), LINES_AT_ONCE))
+        if not lines.isascii():
+            raise UnreadableRasterError(NOT_PLAIN)
+        try:
+            parts.append(np.array(lines.split(), dtype=np.float64))
+        except ValueError as error:
+            reason = str(error).replace("b'", "'")
+            raise UnreadableRasterError(f"holds what is no number: {reason}") from error
+        found += parts[-1].size
+        line = _line(file)
+    return np.concatenate(parts) if parts else np.empty(0)
+
+
+def _line(file: BinaryIO) -> bytes:
+    line = file.readline(LONGEST_LINE)
+    if len(line) == LONGEST_LINE:
+        raise UnreadableRasterError("is not an ESRI ASCII grid: it has a line without end")
+    return line
 
 
 def _number(word: str, name: str) -> float:
@@ -387,7 +433,8 @@ def _prj_of(path: Path) -> str:
     beside = path.with_suffix(".prj")
     if not beside.is_file():
         return ""
-    wkt = beside.read_text(encoding="utf-8", errors="replace").strip()
+    with opened(beside, LONGEST_WKT) as file:
+        wkt = file.read(LONGEST_WKT).decode("utf-8", "replace").strip()
     if wkt.upper().startswith(("GEOGCS", "GEOGCRS", "GEODCRS")):
         raise UnreadableRasterError(
             f"has geographic coordinates (degrees), says {beside.name}; project it to a system in "

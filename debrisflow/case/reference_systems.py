@@ -15,6 +15,14 @@ GEOGRAPHIC = re.compile(
 )
 METRE = re.compile(r"met(er|re)s?|m", re.IGNORECASE)
 VERTICAL_UNIT = re.compile(r'\bVERT_?(?:CS|CRS)\[.*?UNIT\[\s*"([^"]*)"', re.IGNORECASE | re.DOTALL)
+LONGEST_WKT = 20_000  # characters
+# Names of GDAL may also be addresses in a network and files, which are read at once.
+SAFE = re.compile(
+    r"(EPSG|ESRI|IGNF|OGC):+\w+(\+\w+)?|urn:(x-)?ogc:def:crs:[\w.:-]+|"
+    r"https?://www\.opengis\.net/def/crs/\w+/[\w.]+/\w+|(WGS|NAD)\d\d|"
+    r"(PROJ|GEOG|GEOC|LOCAL_|COMPD_|PROJC|GEOGC|GEOD|COMPOUND|BOUND|ENG|VERT_|VERT)(CS|CRS|RS)\[.*",
+    re.IGNORECASE | re.DOTALL | re.ASCII,
+)
 INSTEAD = "project it to that of the DEM, a system in meters"
 
 
@@ -72,7 +80,7 @@ def fault_of_heights(wkt: str) -> str:
     >>> fault_of_heights('COMPD_CS["a",PROJCS["b"],VERT_CS["c",UNIT["US survey foot",0.3048]]]')
     'has heights in US survey foot, says its reference system; convert them to meters'
     """
-    found = VERTICAL_UNIT.search(wkt)
+    found = VERTICAL_UNIT.search(wkt[:LONGEST_WKT])
     if found is None or METRE.fullmatch(found[1]):
         return ""
     return f"has heights in {found[1]}, says its reference system; convert them to meters"
@@ -86,12 +94,15 @@ def _horizontal(crs: Any) -> Any:
 
 def _known(name: str) -> Any:
     """Return a system of rasterio; None where that is not installed or does not know it."""
+    name = name.strip()
+    if len(name) > LONGEST_WKT or not SAFE.fullmatch(name):
+        return None
     try:
         from rasterio.crs import CRS
         from rasterio.errors import CRSError
     except ImportError:
         return None
     try:
-        return CRS.from_user_input(name) if name else None
-    except CRSError:
+        return CRS.from_user_input(name)
+    except (CRSError, ValueError):  # the latter of a code with odd signs
         return None

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
+from itertools import pairwise
 from math import prod, radians, tan
 from pathlib import Path
 from typing import NamedTuple
@@ -164,7 +166,9 @@ def lattice_points(mesh: MeshFill | MeshObstacle, particles: Particles) -> NDArr
 
     Then the check of the memory, which is made before any array, shall speak.
     """
-    if occupied(mesh).volume / particles.spacing**3 > MOST_CELLS:
+    box = occupied(mesh)
+    sides = ((b - a) / particles.spacing for a, b in zip(box.lower, box.upper, strict=True))
+    if prod(max(side, 1.0) for side in sides) > MOST_CELLS:  # also of a flat mesh
         return None
     return cells_inside(surface_of(mesh), particles.spacing)
 
@@ -253,15 +257,22 @@ def volume_left(regions: Sequence[Region], holes: Sequence[Region]) -> float:
         return 0.0
     ends = np.array([(region.lower, region.upper) for region in (*regions, *holes)])
     cuts = [np.unique(ends[:, :, axis]) for axis in range(ends.shape[2])]
-    inside = np.zeros([cut.size - 1 for cut in cuts], dtype=bool)
-    for k, (lower, upper) in enumerate(ends):
-        found = zip(cuts, lower, upper, strict=True)
-        cells = tuple(slice(*np.searchsorted(cut, (a, b))) for cut, a, b in found)
-        inside[cells] = k < len(regions)
-    for axis, cut in enumerate(cuts):
-        sides = np.diff(cut).reshape([-1 if k == axis else 1 for k in range(len(cuts))])
-        inside = inside * sides
-    return float(inside.sum())
+    sides = _cells_between(cuts[1:])
+    total = 0.0
+    for start, end in pairwise(cuts[0]):  # a slab at a time, which bounds the memory
+        inside = np.zeros(sides.shape, dtype=bool)
+        for k in np.flatnonzero((ends[:, 0, 0] <= start) & (ends[:, 1, 0] >= end)):
+            found = zip(cuts[1:], *ends[k, :, 1:], strict=True)
+            inside[tuple(slice(*np.searchsorted(cut, (a, b))) for cut, a, b in found)] = k < len(
+                regions
+            )
+        total += float((end - start) * sides[inside].sum())
+    return total
+
+
+def _cells_between(cuts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the areas, or lengths, of the cells between cuts along one or two axes."""
+    return reduce(np.multiply.outer, [np.diff(cut) for cut in cuts])
 
 
 def open_space(geometry: Geometry, particles: Particles) -> list[Region]:

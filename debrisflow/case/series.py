@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Iterator, Sequence
+from io import StringIO
 from math import isfinite
 from pathlib import Path
+
+from debrisflow.case.files import text_of
+
+MOST_BYTES = 16_000_000  # half a million rows, which become part of the case
 
 
 class UnreadableSeriesError(ValueError):
@@ -36,8 +41,7 @@ def read_series(
         If the file cannot be read.
     """
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = list(_rows(file))
+        lines = list(_rows(StringIO(text_of(path, MOST_BYTES), newline="")))
     except UnicodeDecodeError as error:
         raise UnreadableSeriesError("is not a text file in UTF-8") from error
     except csv.Error as error:
@@ -47,6 +51,8 @@ def read_series(
         if name not in header:
             found = f", only {', '.join(header)}" if header else ""
             raise UnreadableSeriesError(f"has no column '{name}'{found}")
+        if header.count(name) > 1:
+            raise UnreadableSeriesError(f"has two columns '{name}'")
     place = {name: header.index(name) for name in (*columns, *optional) if name in header}
     series: dict[str, list[float]] = {name: [] for name in place}
     for number, row in lines[1:]:

@@ -96,25 +96,30 @@ def terrain_surface(geometry: Geometry) -> Problems:
         yield Problem("geometry.cell", message, geometry.cell)
 
 
-def shapes_given(release: Releases, zone: Zones) -> Problems:
-    """Check that releases and zones say in one way where they are, and by polygons that enclose."""
-    places: list[tuple[str, PolygonRelease | Zone]] = [
-        (f"release.{k}", part) for k, part in enumerate(release) if isinstance(part, PolygonRelease)
-    ]
-    places += [(f"zone.{k}", part) for k, part in enumerate(zone)]
-    for key, part in places:
-        ways = ["file", "corners"]
-        if isinstance(part, Zone):
-            ways.append("raster")
-            if (part.raster is None) != (part.value is None):
-                yield Problem(key, "raster and value belong together; give both or none")
-        given = [name for name in ways if getattr(part, name) is not None]
-        if not given:
-            yield Problem(key, f"does not say where it is: give {either(ways)}")
-        for name in given[1:]:
-            yield Problem(f"{key}.{name}", f"{key}.{given[0]} is given as well; leave one out")
-        if part.corners is not None and (fault := _fault_of(part.corners)):
-            yield Problem(f"{key}.corners", fault)
+def releases_given(release: Releases) -> Problems:
+    """Check that releases say in one way where they are, and by polygons that enclose."""
+    for k, part in enumerate(release):
+        if isinstance(part, PolygonRelease):
+            yield from _given_once(f"release.{k}", part, ["file", "corners"])
+
+
+def zones_given(zone: Zones) -> Problems:
+    """Check that zones say in one way where they are, and by polygons that enclose."""
+    for k, part in enumerate(zone):
+        if (part.raster is None) != (part.value is None):
+            message = "raster and value belong together; give both or none"
+            yield Problem(f"zone.{k}", message)
+        yield from _given_once(f"zone.{k}", part, ["file", "corners", "raster"])
+
+
+def _given_once(key: str, part: PolygonRelease | Zone, ways: list[str]) -> Problems:
+    given = [name for name in ways if getattr(part, name) is not None]
+    if not given:
+        yield Problem(key, f"does not say where it is: give {either(ways)}")
+    for name in given[1:]:
+        yield Problem(f"{key}.{name}", f"{key}.{given[0]} is given as well; leave one out")
+    if part.corners is not None and (fault := _fault_of(part.corners)):
+        yield Problem(f"{key}.corners", fault)
 
 
 def _fault_of(corners: tuple[tuple[float, float], ...]) -> str:
@@ -208,7 +213,8 @@ AS_ASKED: tuple[Callable[..., Problems], ...] = (
     terrain_cropped,
     terrain_levels,
     terrain_surface,
-    shapes_given,
+    releases_given,
+    zones_given,
 )
 CHECKS: tuple[Callable[..., Problems], ...] = (
     gravity_upright,

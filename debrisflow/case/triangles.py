@@ -6,6 +6,8 @@ Readers and VTK are imported by what needs them, since most cases have no mesh.
 from __future__ import annotations
 
 import importlib
+import re
+import warnings
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -13,9 +15,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.case.files import opened, regular
+
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]
 FORMATS = ("stl", "obj", "ply")
+MOST_BYTES = 1_000_000_000
+FARTHEST = 1.0e9  # in the lengths of a file
+MOST_TRIED = 2.0e6  # columns of cells under triangles that are looked at together
+LONGEST_HEAD, MOST_DIGITS = 65_536, 12  # bytes of a PLY file, digits of its counts
 
 # Vertices nearer than this share of the size of a mesh are one: an STL file repeats each vertex in
 # every triangle, in text with rounded digits.
@@ -78,12 +86,12 @@ def read_surface(path: Path) -> Surface:
         If there is no such file, it is of another kind, or it holds no triangles.
     """
     try:
-        changed = path.stat().st_mtime_ns
+        changed = regular(path, MOST_BYTES).st_mtime_ns
+        return _read(path, changed)
     except OSError as error:
         raise UnreadableSurfaceError(
             f"cannot be read: {(error.strerror or str(error)).lower()}"
         ) from error
-    return _read(path, changed)
 
 
 @lru_cache(maxsize=8)
@@ -92,9 +100,12 @@ def _read(path: Path, changed: int) -> Surface:
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise UnreadableSurfaceError("must be an STL, OBJ or PLY file: .stl, .obj or .ply")
+    if kind == "ply":
+        _expect_counts_of_ply(path)
     try:
         # meshio takes the letters of an STL file in text for a number of triangles, and warns
-        with np.errstate(over="ignore"):
+        with np.errstate(all="ignore"), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
             mesh = importlib.import_module(f"meshio.{kind}").read(str(path))
         points = np.asarray(mesh.points, dtype=float)
         faces = [np.zeros((0, 3), dtype=int)]
@@ -103,14 +114,37 @@ def _read(path: Path, changed: int) -> Surface:
                 faces.append(block.data)
             elif block.type == "quad":
                 faces += [block.data[:, [0, 1, 2]], block.data[:, [0, 2, 3]]]
-        corners = points[np.concatenate(faces)]
+        face = np.concatenate(faces)
+        if face.size and face.min() < 0:  # of OBJ, which counts from the end, as meshio does not
+            raise IndexError
+        corners = points[face]
     except Exception as error:  # the readers meet a broken file with whatever they stumble over
         raise UnreadableSurfaceError(f"is not a readable {kind.upper()} file") from error
     if not len(corners):
         raise UnreadableSurfaceError("holds no triangles")
     if corners.shape[2] != 3 or not np.all(np.isfinite(corners)):
         raise UnreadableSurfaceError("has vertices that are not three finite numbers")
+    if np.abs(corners).max() > FARTHEST:
+        raise UnreadableSurfaceError(f"has vertices beyond {FARTHEST:g}, which are no lengths")
     return Surface(corners)
+
+
+def _expect_counts_of_ply(path: Path) -> None:
+    """Refuse a PLY file whose head does not end, or promises more than the file can hold."""
+    with opened(path, MOST_BYTES) as file:
+        head = file.read(LONGEST_HEAD)
+    end = re.search(rb"^[ \t]*end_header[ \t\r]*$", head, re.MULTILINE)
+    if end is None:
+        raise UnreadableSurfaceError("is not a readable PLY file: its head has no end")
+    counts = re.findall(
+        rb"^[ \t]*element[ \t]+\w+[ \t]+([0-9]+)", head[: end.start()], re.MULTILINE
+    )
+    if any(len(count) > MOST_DIGITS for count in counts) or (
+        sum(map(int, counts)) > path.stat().st_size
+    ):
+        raise UnreadableSurfaceError(
+            "promises more vertices and faces than it can hold; it may be cut short"
+        )
 
 
 def open_edges(surface: Surface) -> int:
@@ -149,7 +183,7 @@ def cells_inside(surface: Surface, spacing: float) -> Cells:
     (n, 3) int64 array
         Cell k reaches from k to k + 1 spacings along each axis.
     """
-    column, height = _crossings(surface.corners / spacing)
+    column, height = _crossings_by_parts(surface.corners / spacing)
     order = np.lexsort((height, *column.T))
     column, height = column[order], height[order]
     begins = np.ones(len(column), dtype=bool)
@@ -163,6 +197,19 @@ def cells_inside(surface: Surface, spacing: float) -> Cells:
     return np.column_stack(
         [np.repeat(column[enters], count, axis=0), np.repeat(bottom, count) + up]
     )
+
+
+def _crossings_by_parts(corners: Floats) -> tuple[Cells, Floats]:
+    """Return the crossings of all triangles, found for a part of them at a time.
+
+    That bounds the memory where many triangles lie over each other.
+    """
+    size = np.ptp(corners[:, :, :2], axis=1) + 1.0
+    part = np.cumsum(size[:, 0] * size[:, 1]) // MOST_TRIED
+    borders = np.flatnonzero(np.diff(part)) + 1
+    found = [_crossings(some) for some in np.split(corners, borders)]
+    columns, heights = zip(*found, strict=True)
+    return np.concatenate(columns), np.concatenate(heights)
 
 
 def _crossings(corners: Floats) -> tuple[Cells, Floats]:

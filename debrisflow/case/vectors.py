@@ -1,14 +1,16 @@
 """Polygons and lines on a map, read from and written to files.
 
-GeoJSON is read and written here; GeoPackage, Shapefile and other formats of GDAL by pyogrio, which
-is imported only where it is needed, since most cases have no terrain.
+GeoJSON is read and written here; GeoPackage and Shapefile by pyogrio, which is imported only where
+it is needed, since most cases have no terrain.
 """
 
 from __future__ import annotations
 
 import json
+import sqlite3
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,12 +20,20 @@ import shapely
 import shapely.geometry
 import shapely.geometry.polygon
 
+from debrisflow.case.files import expect_regular_beside, opened, regular, text_of
 from debrisflow.case.reference_systems import fault_of_system, wkt_of
+from debrisflow.case.words import either
 
 GEOJSON = (".geojson", ".json")
 INSTALL = (
     'is read by pyogrio, which is not installed: pip install rasterio pyogrio (the extra "terrain")'
 )
+MOST_BYTES = 256_000_000
+FARTHEST = 1.0e9  # m, of a place on a map
+FORMATS = {".gpkg": b"SQLite format 3\0", ".shp": b"\x00\x00\x27\x0a"}
+"""What the files that GDAL may open begin with, by their endings."""
+BESIDE_STEM = (".shx", ".dbf", ".prj", ".cpg", ".qix", ".sbn", ".sbx", ".cst")
+MOST_TABLES = 1000
 NO_DATE = "2000-01-01T00:00:00.000Z"  # the same bytes whenever a file is written
 WANTED = {"Polygon": "polygons", "LineString": "lines"}
 
@@ -127,7 +137,7 @@ def write_polygons(
 def _stamp(path: Path) -> tuple[int, int]:
     """Return a stamp by which a changed file is recognized."""
     try:
-        state = path.stat()
+        state = regular(path, MOST_BYTES)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise UnreadableVectorsError(f"cannot be read: {reason}") from error
@@ -147,8 +157,13 @@ def _read(path: Path, kind: str, stamp: tuple[int, int]) -> tuple[tuple[Any, ...
             raise UnreadableVectorsError(
                 f"holds a {shape.geom_type} where {WANTED[kind]} are wanted"
             )
-        if not np.isfinite(shapely.get_coordinates(shape)).all():
+        points = shapely.get_coordinates(shape)
+        if not np.isfinite(points).all():
             raise UnreadableVectorsError("has a coordinate that is no number")
+        if np.abs(points).max() > FARTHEST:
+            raise UnreadableVectorsError(
+                f"has a coordinate beyond {FARTHEST:g} m, which is no place on a map"
+            )
         if kind == "Polygon" and not shape.is_valid:
             reason = shapely.is_valid_reason(shape)
             raise UnreadableVectorsError(f"has a polygon that crosses or touches itself: {reason}")
@@ -173,15 +188,19 @@ def _parts(shapes: Sequence[Any]) -> Iterator[Any]:
 
 def _read_geojson(path: Path) -> tuple[list[Any], str]:
     try:
-        data = json.loads(path.read_text(encoding="utf-8-sig"))
+        data = json.loads(text_of(path, MOST_BYTES))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise UnreadableVectorsError(f"cannot be read: {reason}") from error
     except ValueError as error:  # of JSON and of UTF-8
         raise UnreadableVectorsError(f"is not GeoJSON: {error}") from error
+    except RecursionError as error:
+        raise UnreadableVectorsError("is not GeoJSON: it is nested too deep") from error
     try:
         return [shapely.geometry.shape(part) for part in _geometries(data)], _crs_of(data)
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+    except RecursionError as error:
+        raise UnreadableVectorsError("is not GeoJSON: it is nested too deep") from error
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError) as error:
         reason = f"lacks {error}" if isinstance(error, KeyError) else str(error)
         raise UnreadableVectorsError(f"is not GeoJSON: {reason}") from error
     except shapely.errors.ShapelyError as error:
@@ -213,6 +232,7 @@ def _crs_of(data: Any) -> str:
 def _read_by_gdal(path: Path) -> tuple[list[Any], str]:
     pyogrio = _pyogrio()
     try:
+        _expect_format(path)
         layers = [name for name, kind in pyogrio.list_layers(path) if kind is not None]
         if len(layers) > 1:
             raise UnreadableVectorsError(
@@ -220,10 +240,65 @@ def _read_by_gdal(path: Path) -> tuple[list[Any], str]:
             )
         if not layers:
             return [], ""
-        meta, _, shapes, _ = pyogrio.raw.read(path, layer=layers[0], columns=[], force_2d=True)
-    except pyogrio.errors.DataSourceError as error:
+        with warnings.catch_warnings():  # of rings that do not close, which are refused below
+            warnings.simplefilter("ignore")
+            meta, _, shapes, _ = pyogrio.raw.read(path, layer=layers[0], columns=[], force_2d=True)
+        return list(shapely.from_wkb(shapes)), meta["crs"] or ""
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise UnreadableVectorsError(f"cannot be read: {reason}") from error
+    except UnreadableVectorsError:
+        raise
+    except (RuntimeError, ValueError, shapely.errors.ShapelyError) as error:  # all of pyogrio's
         raise UnreadableVectorsError(f"cannot be read as polygons or lines: {error}") from error
-    return list(shapely.from_wkb(shapes)), meta["crs"] or ""
+
+
+def _expect_format(path: Path) -> None:
+    """Refuse what is not what its ending says: GDAL opens whatever a file turns out to be.
+
+    Some of its formats are lists of other files or addresses in a network, or archives.  A view
+    of a GeoPackage is a query, which may take any time.
+
+    Raises
+    ------
+    OSError
+    UnreadableVectorsError
+    """
+    known = FORMATS.get(path.suffix.lower())
+    if known is None or "!" in str(path) or str(path).startswith("/vsi"):
+        raise UnreadableVectorsError(
+            f"must be a file of {either(('.geojson', '.json', *FORMATS))}, and without an "
+            "exclamation mark in its path"
+        )
+    expect_regular_beside(path, (".aux.xml", "-wal", "-shm", "-journal"), BESIDE_STEM)
+    with opened(path, MOST_BYTES) as file:
+        if file.read(len(known)) != known:
+            raise UnreadableVectorsError(
+                f"cannot be read as polygons or lines: it is no {path.suffix} file"
+            )
+    if path.suffix.lower() == ".gpkg":
+        _expect_tables(path)
+
+
+def _expect_tables(path: Path) -> None:
+    """Refuse a GeoPackage with views or other tables that are computed as they are read."""
+    where = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
+    try:
+        with closing(sqlite3.connect(where, uri=True)) as base:
+            base.execute("PRAGMA trusted_schema = off")
+            made = base.execute("SELECT type, name, sql FROM sqlite_schema").fetchmany(MOST_TABLES)
+    except sqlite3.Error as error:
+        raise UnreadableVectorsError(f"is no GeoPackage: {error}") from error
+    if len(made) == MOST_TABLES:
+        raise UnreadableVectorsError(f"has {MOST_TABLES} tables or more; save its layer alone")
+    for kind, name, sql in made:
+        text = str(sql or "").upper()
+        is_index = "USING RTREE" in " ".join(text.split())
+        computed = "GENERATED" in text or ("VIRTUAL" in text and not is_index)
+        if kind == "view" or (kind == "table" and computed):
+            raise UnreadableVectorsError(
+                f"holds {name!r}, which is computed as it is read; save its layer as a new file"
+            )
 
 
 def _pyogrio() -> Any:

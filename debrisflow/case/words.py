@@ -8,6 +8,7 @@ from difflib import SequenceMatcher
 ABSENT = object()  # in place of a value that is not there
 MAP = 1.0e5  # m, from which on a coordinate is one of a map
 NEAR = 0.75  # likeness of two words from which on one may be the other mistyped
+LONGEST_WORD = 80  # that is compared with others
 NEAR_IN_PART = 0.6  # of two that share a word between underscores: grain_size, grain_diameter
 
 
@@ -65,6 +66,8 @@ def nearest(word: object, known: Iterable[str], in_part: float = NEAR_IN_PART) -
         Likeness from which on words are near that share one between underscores.
     """
     text = str(word).lower()
+    if len(text) > LONGEST_WORD:
+        return None
     parts, found = set(text.split("_")), []
     for name in known:
         likeness = SequenceMatcher(None, name, text).ratio()

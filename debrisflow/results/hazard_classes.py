@@ -28,15 +28,17 @@ from __future__ import annotations
 
 import operator
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from itertools import pairwise
+from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from debrisflow.case.files import text_of
+from debrisflow.case.toml_text import MOST_BYTES, WrongTomlError, tables_of
 from debrisflow.case.words import did_you_mean, either
 from debrisflow.errors import CaseError, steers
 from debrisflow.run.layers import LAYERS
@@ -166,16 +168,16 @@ def read_classes(asked: str) -> Classes:
     if path.suffix != ".toml":
         hint = did_you_mean(asked, known)
         raise CaseError(f"{asked} is no table of classes: give {either(known)}, or a .toml{hint}")
-    if path.exists() and not path.is_file():
-        raise CaseError(f"{path} cannot be read: it is no regular file")
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        data = tables_of(text_of(path, MOST_BYTES))
         return _classes(path.stem, data)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise CaseError(f"{path} cannot be read: {reason}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise CaseError(f"{path} is not TOML: {error}") from error
+    except UnicodeDecodeError as error:
+        raise CaseError(f"{path} is not a text file in UTF-8") from error
+    except WrongTomlError as error:
+        raise CaseError(f"{path} {error}") from error
     except _WrongError as error:
         raise CaseError(f"{path}: {error}") from error
 
@@ -260,7 +262,10 @@ def _numbers(where: str, given: Any) -> tuple[float, ...]:
     is_list = isinstance(given, list) and len(given) >= FEWEST_POINTS
     if not is_list or not all(type(value) in (int, float) for value in given):
         raise _WrongError(f"{where} must be a list of {FEWEST_POINTS} numbers or more")
-    return tuple(map(float, given))
+    found = tuple(map(float, given))
+    if not all(map(isfinite, found)):
+        raise _WrongError(f"{where} must hold finite numbers")
+    return found
 
 
 def _text(where: str, given: Any) -> str:
@@ -276,7 +281,7 @@ def _line(text: str) -> str:
 
 
 def _expect_layer(where: str, name: Any) -> None:
-    if name not in LAYERS:
+    if not isinstance(name, str) or name not in LAYERS:
         hint = did_you_mean(name, LAYERS) or f"; there are {', '.join(LAYERS)}"
         raise _WrongError(f"{where}: unknown layer '{name}'{hint}")
 

@@ -13,7 +13,8 @@ from debrisflow.case import ResolvedCase
 from debrisflow.case.built import HEAD, Rounded
 from debrisflow.case.defaults import LEAST_SOUND_RATIO, TERRAIN_SOUND_RATIO
 from debrisflow.case.doubts import doubts, rows_over_depths
-from debrisflow.case.estimate import particle_estimate, size
+from debrisflow.case.estimate import particle_estimate
+from debrisflow.case.memory import size
 from debrisflow.case.resolved import ResolvedExplicitScheme, ResolvedTerrain
 from debrisflow.case.speeds import collapse_speed, fall_speed
 from debrisflow.case.tables import EXPLICIT_RADIUS

@@ -6,15 +6,16 @@ opened, since a pipe would never end.
 
 from __future__ import annotations
 
-import stat
 from collections.abc import Iterator
 from pathlib import Path, PureWindowsPath
 from typing import NoReturn
 from xml.etree import ElementTree
 
+from debrisflow.case.files import regular
 from debrisflow.errors import OutputError
 
 CHUNK = 2**20  # bytes
+MOST_BYTES = 4_000_000_000  # of a file; a frame of ten million particles has a quarter of it
 DEEPEST = 64  # of elements within elements
 
 
@@ -67,13 +68,12 @@ def must_be_file(path: Path) -> None:
     OutputError
     """
     try:
-        mode = path.stat().st_mode
+        regular(path, MOST_BYTES)
     except FileNotFoundError as error:
         raise OutputError(f"{path} is missing") from error
-    except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
-        raise OutputError(f"{path} cannot be read: {error}") from error
-    if not stat.S_ISREG(mode):
-        raise OutputError(f"{path} cannot be read: it is no regular file")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise OutputError(f"{path} cannot be read: {reason}") from error
 
 
 class _Plain(ElementTree.TreeBuilder):

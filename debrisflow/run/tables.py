@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.errors import OutputError, steers
+from debrisflow.errors import OutputError, shown, steers
 from debrisflow.run.atomic import replaced
 from debrisflow.run.reading import text_of
 
@@ -61,7 +61,9 @@ def read_table(path: Path, grows: bool = True, needed: Iterable[str] = ()) -> Ta
     if not lines:
         raise OutputError(f"{path} is damaged: it names no columns")
     names = [name.strip() for name in lines[0].split(",")]
-    if len(set(names)) < len(names) or not all(names) or any(map(steers, names)):
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+        raise OutputError(f"{path} is damaged: it has two columns {shown(twice[0])}")
+    if not all(names) or any(map(steers, names)):
         raise OutputError(f"{path} is damaged: its columns have no names of their own")
     if missing := [name for name in needed if name not in names]:
         raise OutputError(f"{path} has no column {missing[0]}, but {', '.join(names)}")

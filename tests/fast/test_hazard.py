@@ -141,7 +141,7 @@ Change = Callable[[str], str]
             lambda text: text.replace("[0.0, 1.0]", "[0.0, 1.0, 2.0]"),
             "limit.strength: at has 3 numbers and is 2",
         ),
-        (lambda text: text + "[", "is not TOML"),
+        (lambda text: text + "[", "is not valid TOML"),
     ],
 )
 def test_wrong_tables_are_refused_in_words(tmp_path: Path, change: Change, told: str) -> None:

@@ -145,7 +145,7 @@ def test_an_interrupted_run(case, tmp_path, interrupt):
 
 
 def test_a_failed_run(case, tmp_path, monkeypatch):
-    monkeypatch.setattr("debrisflow.run.loop.LEAST_STEP", 2.0)
+    monkeypatch.setattr("debrisflow.run.watchdogs.time_step.LEAST_STEP", 2.0)
     with pytest.raises(DivergedError):
         simulate(case, tmp_path / "run", threads=1, on_event=lambda _: None)
 
