@@ -135,7 +135,7 @@ def _threading_layer() -> str:
 
 KERNELS = _digest_of_kernels()
 CACHE_DIRECTORIES = places(f"kernels-{KERNELS}")
-"""From which kernels are read; they are written into the last.  Without any each process compiles."""
+"""Kernels are read from all, and written into the last; without any each process compiles."""
 THREADING_LAYER = _threading_layer()
 numba.config.THREADING_LAYER = THREADING_LAYER
 COMPILATIONS = Compilations()

@@ -72,7 +72,9 @@ def _spare(name: str) -> Path | None:
 
 
 def _user() -> int:
-    return os.getuid() if sys.platform != "win32" else 0  # there each user has a temporary directory
+    return (
+        os.getuid() if sys.platform != "win32" else 0
+    )  # there each user has a temporary directory
 
 
 def _is_writable(folder: Path) -> bool:

@@ -1,0 +1,73 @@
+"""The case and the machine decide every byte of a run, whatever the number of threads."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from debrisflow._jit import set_threads
+from debrisflow.case import load_case
+from debrisflow.run import checkpoint
+from debrisflow.run.checkpoint import BEFORE, LAST
+from debrisflow.run.folder import LEDGER
+from debrisflow.run.loop import simulate
+from tests.fast.test_checkpoint import identical
+
+CASES = Path(__file__).parents[2] / "cases"
+NAMES = sorted(
+    path.relative_to(CASES).with_suffix("").as_posix()
+    for path in (*CASES.glob("*.toml"), *CASES.glob("experiments/*.toml"))
+)
+THREADS = (1, 2, 3)
+WALL_TIMES = {"run.log", "summary.json", "status.json", LAST, BEFORE}
+"""Files that tell the time of day; the states in the checkpoints are compared by themselves."""
+# cases of so many particles that ten steps take seconds: their spacing, m
+COARSER = {"check_dam3d": 0.0075, "flume3d": 0.0075, "runout3d": 0.0075}
+
+
+def run_on_each(path: Path, changes: tuple[str, ...], folder: Path) -> list[Path]:
+    """Run a case on one, two and three threads, and return the folders of the runs."""
+    folders = [folder / str(threads) for threads in THREADS]
+    try:
+        for threads, run in zip(THREADS, folders, strict=True):
+            assert simulate(load_case(path, changes), run, threads=threads)["threads"] == threads
+    finally:
+        set_threads(1)
+    return folders
+
+
+def differing(one: Path, other: Path) -> list[str]:
+    """Return the names of the files that two runs do not have alike."""
+    files = [
+        {f.relative_to(run).as_posix(): f.read_bytes() for f in run.rglob("*") if f.is_file()}
+        for run in (one, other)
+    ]
+    names = {name for found in files for name in found if Path(name).name not in WALL_TIMES}
+    assert len(names) > 5
+    return sorted(name for name in names if files[0].get(name) != files[1].get(name))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_ten_steps_of_a_shipped_case_have_the_bytes_of_one_thread(name, tmp_path):
+    path = CASES / f"{name}.toml"
+    spacing = (f"particles.spacing={COARSER[name]}",) if name in COARSER else ()
+    step = load_case(path, spacing).time.largest_step
+    times = f"time.end={10 * step}", f"output.interval={5 * step}", "time.settling=0.0"
+    rows = f"output.history_interval={step}", f"output.deposit_interval={2 * step}"
+    alone, *others = run_on_each(path, (*spacing, *times, *rows), tmp_path)
+    for other in others:
+        assert differing(alone, other) == []
+        assert identical(*(checkpoint.load(run / LAST).state for run in (alone, other)))
+
+
+def test_a_long_run_with_inflow_erosion_and_outflow_has_the_bytes_of_one_thread(tmp_path):
+    shorter = "geometry.length=3.0", "geometry.bed_start=1.0", "geometry.bed_end=2.96"
+    near = "probe.0.x=2.9", "time.end=2.5", "time.settling=0.2", "output.interval=0.5"
+    alone, *others = run_on_each(CASES / "flume2d.toml", (*shorter, *near), tmp_path)
+    with (alone / LEDGER).open() as lines:
+        last = list(csv.DictReader(line for line in lines if not line.startswith("#")))[-1]
+    print(last)
+    for other in others:
+        assert differing(alone, other) == []
