@@ -24,7 +24,6 @@ import numpy
 from llvmlite.binding import set_option
 from numba.core import event
 from numba.core.codegen import JITCodeLibrary
-from numba.core.dispatcher import Dispatcher
 
 from debrisflow._kernel_cache import KernelCache, places
 
@@ -193,8 +192,8 @@ def _kept(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     compile_ = numba.njit(**options)
 
     def decorate(function: Callable[..., Any]) -> Any:
-        compiled = compile_(function)
-        if isinstance(compiled, Dispatcher):  # not where the compiler is turned off
+        compiled: Any = compile_(function)
+        if not numba.config.DISABLE_JIT:
             compiled._cache = KernelCache(function, CACHE_DIRECTORIES)
         return compiled
 

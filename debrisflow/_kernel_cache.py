@@ -111,7 +111,7 @@ def is_trusted(folder: Path, private: bool = False) -> bool:
     return True
 
 
-class KernelCache(_Cache):  # type: ignore[misc]
+class KernelCache(_Cache):
     """The machine code of one function on disk, one file for each signature.
 
     A file is a digest and what follows it.  It appears under its name when it is complete; one that

@@ -45,9 +45,10 @@ SMALL = {
     "dam_break3d": ("particles.spacing=0.2", "time.end=0.05", "output.interval=0.05"),
 }
 BRIEF = (
-    "api arrays bad_cases case cli data_table deposition kernel_cache maps measures output plots"
-    " point_probe rasters run_reader surface terrain_case terrain_check vectors"
-).split()
+    *("api", "arrays", "bad_cases", "case", "cli", "data_table", "deposition", "kernel_cache"),
+    *("maps", "measures", "output", "plots", "point_probe", "rasters", "run_reader", "surface"),
+    *("terrain_case", "terrain_check", "vectors"),
+)
 # of the sources, which are not beside the tests here
 ABOUT_SOURCES = ("tests/fast/test_notation.py", "tests/fast/test_jit.py")
 
@@ -134,7 +135,7 @@ def tree(folder: Path, strict: bool) -> Path:
 
 
 def environment(folder: Path, python: Path, version: str, resolution: str) -> Path:
-    """Make an environment with the wheel of the project in it, and return its folder of programs."""
+    """Make an environment with the wheel of the project, and return its folder of programs."""
     wanted = folder / "requirements.txt"
     extras = [word for extra in EXTRAS for word in ("--extra", extra)]
     binary = ("--only-binary", ":all:")

@@ -9,7 +9,6 @@ import pytest
 
 from debrisflow._jit import set_threads
 from debrisflow.case import load_case
-from debrisflow.run import checkpoint
 from debrisflow.run.checkpoint import BEFORE, LAST
 from debrisflow.run.folder import LEDGER
 from debrisflow.run.loop import simulate
@@ -22,9 +21,9 @@ NAMES = sorted(
 )
 THREADS = (1, 2, 3)
 WALL_TIMES = {"run.log", "summary.json", "status.json", LAST, BEFORE}
-"""Files that tell the time of day; the states in the checkpoints are compared by themselves."""
+"""Files that tell the time of day."""
 # cases of so many particles that ten steps take seconds: their spacing, m
-COARSER = {"check_dam3d": 0.0075, "flume3d": 0.0075, "runout3d": 0.0075}
+COARSER = {"check_dam3d": 0.01, "flume3d": 0.01, "runout3d": 0.01}
 
 
 def run_on_each(path: Path, changes: tuple[str, ...], folder: Path) -> list[Path]:
@@ -50,7 +49,7 @@ def differing(one: Path, other: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_ten_steps_of_a_shipped_case_have_the_bytes_of_one_thread(name, tmp_path):
+def test_ten_steps_of_a_shipped_case_have_the_bytes_of_one_thread(name, tmp_path, ends):
     path = CASES / f"{name}.toml"
     spacing = (f"particles.spacing={COARSER[name]}",) if name in COARSER else ()
     step = load_case(path, spacing).time.largest_step
@@ -59,7 +58,9 @@ def test_ten_steps_of_a_shipped_case_have_the_bytes_of_one_thread(name, tmp_path
     alone, *others = run_on_each(path, (*spacing, *times, *rows), tmp_path)
     for other in others:
         assert differing(alone, other) == []
-        assert identical(*(checkpoint.load(run / LAST).state for run in (alone, other)))
+    assert len(ends) == len(THREADS)
+    assert identical(ends[0], ends[1])
+    assert identical(ends[0], ends[2])
 
 
 def test_a_long_run_with_inflow_erosion_and_outflow_has_the_bytes_of_one_thread(tmp_path):
