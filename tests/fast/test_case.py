@@ -153,6 +153,7 @@ class TestRoundTrip:
             "inflow.across",
             "inflow.hydrograph",
             "collision_stress.concentration",
+            "output.checkpoint_interval",
             "output.layer_interval",
             "time.stop_energy",
         }
