@@ -71,12 +71,12 @@ def test_ten_steps_of_a_shipped_case_have_the_bytes_of_one_thread(name, tmp_path
 def test_a_long_run_with_inflow_erosion_and_outflow_has_the_bytes_of_one_thread(tmp_path, ends):
     path = CASES / "flume2d.toml"
     shorter = "geometry.length=3.0", "geometry.bed_start=1.0", "geometry.bed_end=2.96"
-    near = "probe.0.x=2.9", "time.end=2.5", "time.settling=0.2", "output.interval=0.5"
+    near = "probe.0.x=2.9", "time.end=5.0", "time.settling=0.2", "output.interval=0.5"
     alone, *others = run_on_each(path, (*shorter, *near), tmp_path)
     state = ends[0]
     assert state.entered.sum() > 100
-    assert state.left.sum() > 100
-    assert moved(load_case(path, (*shorter, *near)), state, by=0.2) > 100
+    assert state.left.sum() > 50
+    assert moved(load_case(path, (*shorter, *near)), state, by=0.2) > 20
     assert all(identical(state, end) for end in ends[1:])
     for other in others:
         assert differing(alone, other) == []
