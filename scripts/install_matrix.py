@@ -224,7 +224,7 @@ def table(results: list[Tried]) -> str:
             one.python,
             one.resolution,
             *(one.versions.get(name, "") for name in SHOWN),
-            "failed" if one.failure else re.sub(r" in .*", "", one.tests),
+            "failed" if one.failure else re.sub(r"(passed).*", r"\1", one.tests),
         ]
         for one in results
     ]
@@ -255,7 +255,7 @@ def main(only: tuple[str, ...], resolution: tuple[str, ...], brief: bool, write:
         text = PAGE.read_text(encoding="utf-8")
         before, rest = text.split(BEGIN)
         after = rest.split(END)[1]
-        PAGE.write_text(before + BEGIN + table(results) + END + after, encoding="utf-8")
+        PAGE.write_text(f"{before}{BEGIN}\n{table(results)}\n{END}{after}", encoding="utf-8")
     if not results or any(one.failure for one in results):
         raise SystemExit(1)
 
