@@ -11,8 +11,8 @@ from debrisflow._jit import set_threads
 from debrisflow.case import ResolvedCase, load_case
 from debrisflow.particles.start import initial_state
 from debrisflow.particles.state import State
-from debrisflow.run.checkpoint import BEFORE, LAST
 from debrisflow.run.loop import simulate
+from debrisflow.run.names import CHECKPOINT, CHECKPOINT_BEFORE, STATUS
 from tests.fast.test_checkpoint import identical
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -21,7 +21,7 @@ NAMES = sorted(
     for path in (*CASES.glob("*.toml"), *CASES.glob("experiments/*.toml"))
 )
 THREADS = (1, 2, 3)
-WALL_TIMES = {"run.log", "summary.json", "status.json", LAST, BEFORE}
+WALL_TIMES = {"run.log", "summary.json", STATUS, CHECKPOINT, CHECKPOINT_BEFORE}
 """Files that tell the time of day."""
 # cases of so many particles that ten steps take seconds: their spacing, m
 COARSER = {"check_dam3d": 0.01, "flume3d": 0.01, "runout3d": 0.01}
