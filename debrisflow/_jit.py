@@ -2,8 +2,8 @@
 
 ``loop`` compiles a function with parallel ``prange`` loops, ``kernel`` one that becomes part of
 such a loop, and ``allocating_kernel`` one of these that makes arrays.  The cache folder is named
-after a digest of the sources that machine code depends on, because Numba keeps a caller's old
-machine code when only a function that it calls, in another file, has changed.
+after a digest of the sources that machine code depends on, because a caller's machine code is old
+too when only a function that it calls, in another file, has changed.
 """
 
 from __future__ import annotations
@@ -13,17 +13,19 @@ import hashlib
 import os
 import re
 import sys
-import tempfile
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+import llvmlite
 import numba
+import numpy
 from llvmlite.binding import set_option
 from numba.core import event
 from numba.core.codegen import JITCodeLibrary
+
+from debrisflow._kernel_cache import KernelCache, places
 
 PACKAGE = Path(__file__).parent
 _IMPORTS = re.compile(
@@ -41,8 +43,9 @@ def kernel_sources() -> list[Path]:
     of them, and all that they import from the package, directly or not.
     """
     texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
-    found = {Path(__file__)}
+    found: set[Path] = set()
     waiting = [path for path, text in texts.items() if _defines_kernels(text)]
+    waiting.append(Path(__file__))
     while waiting:
         path = waiting.pop()
         if path not in found:
@@ -72,48 +75,13 @@ def _files_of(module: Path) -> Iterable[Path]:
 
 
 def _digest_of_kernels() -> str:
-    """Return what tells the machine code of this program from that of others."""
-    digest = hashlib.sha256(numba.__version__.encode())
+    """Return what changes with the sources of kernels and with the packages that compile them."""
+    digest = hashlib.sha256()
+    for package in (numba, llvmlite, numpy):
+        digest.update(f"{package.__name__} {package.__version__}".encode())
     for source in kernel_sources():
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
-
-
-def _cache_directory() -> Path:
-    """Return a writable folder whose name changes with the sources of the kernels.
-
-    It is in ``XDG_CACHE_HOME``, or ``~/.cache``.  Where that cannot be written but holds a folder
-    that ``debrisflow info --compile`` has prepared, its files are linked into a folder of the
-    system's temporary directory, because Numba takes no folder that it cannot write to.
-    """
-    name = Path("debrisflow") / f"kernels-{KERNELS}"
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / name
-    if _is_writable(home):
-        return home
-    spare = Path(tempfile.gettempdir()) / name
-    if not _is_writable(spare):
-        spare = Path(tempfile.mkdtemp(prefix="debrisflow-kernels-"))
-    _link_files(home, spare)
-    return spare
-
-
-def _is_writable(folder: Path) -> bool:
-    """Make a folder, if need be, and return whether files can be made in it."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
-def _link_files(prepared: Path, folder: Path) -> None:
-    """Link the files of one folder into another; what is there already is left alone."""
-    for file in prepared.rglob("*.nb[ic]"):
-        link = folder / file.relative_to(prepared)
-        with suppress(OSError):  # another process may be doing the same
-            link.parent.mkdir(parents=True, exist_ok=True)
-            link.symlink_to(file)
 
 
 class Compilations(event.Listener):
@@ -165,9 +133,9 @@ def _threading_layer() -> str:
 
 
 KERNELS = _digest_of_kernels()
-CACHE_DIRECTORY = _cache_directory()
+CACHE_DIRECTORIES = places(f"kernels-{KERNELS}")
+"""Kernels are read from all, and written into the last; without any each process compiles."""
 THREADING_LAYER = _threading_layer()
-numba.config.CACHE_DIR = str(CACHE_DIRECTORY)
 numba.config.THREADING_LAYER = THREADING_LAYER
 COMPILATIONS = Compilations()
 event.register("numba:compile", COMPILATIONS)
@@ -218,12 +186,26 @@ So kernels become part of the loop that calls them, and count nothing: their arr
 that loop, which outlive them.  Such a kernel makes no array, which the compiler refuses, and
 returns none, which it would not notice: the caller would free it."""
 
-kernel = numba.njit(cache=True, **KERNEL_OPTIONS)
-allocating_kernel = numba.njit(cache=True, forceinline=True, **OPTIONS)
+
+def _kept(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return a decorator that compiles a function for each signature, once for all processes."""
+    compile_ = numba.njit(**options)
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        compiled: Any = compile_(function)
+        if not numba.config.DISABLE_JIT:
+            compiled._cache = KernelCache(function, CACHE_DIRECTORIES)
+        return compiled
+
+    return decorate
+
+
+kernel = _kept(**KERNEL_OPTIONS)
+allocating_kernel = _kept(forceinline=True, **OPTIONS)
 """Compiles a kernel that makes arrays, or that Python code calls with arrays for arrays.
 
 What a kernel calls is compiled as the kernel is, so that it calls none of these with arrays."""
-loop = numba.njit(cache=True, parallel=True, **OPTIONS)
+loop = _kept(parallel=True, **OPTIONS)
 
 
 def set_threads(count: int) -> int:

@@ -7,10 +7,11 @@ import re
 from importlib.metadata import PackageNotFoundError, requires, version
 
 from debrisflow import __version__
-from debrisflow._jit import CACHE_DIRECTORY, THREADING_LAYER, cores
+from debrisflow._jit import CACHE_DIRECTORIES, THREADING_LAYER, cores
 
+CACHE = str(CACHE_DIRECTORIES[-1]) if CACHE_DIRECTORIES else "none that can be written"
 HOW_TO_SHARE = (
-    f"The kernels are in {CACHE_DIRECTORY}.\n"
+    f"The kernels are in {CACHE}.\n"
     "On a node that cannot write there they are used as they are.  To put them elsewhere, set\n"
     "XDG_CACHE_HOME to a folder both for this command and for the runs.  They serve the same\n"
     "installation of debrisflow on processors of the same kind."
@@ -26,7 +27,7 @@ def about() -> dict[str, str]:
         **{name: installed(name) for name in dependencies()},
         "cores": str(cores()),
         "threading layer": THREADING_LAYER,
-        "cache folder": str(CACHE_DIRECTORY),
+        "cache folder": CACHE,
     }
 
 

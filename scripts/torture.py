@@ -54,6 +54,7 @@ CHECKPOINT = "checkpoint.h5"
 LEFT_OUT = {"run.log", "status.json", "run.lock", CHECKPOINT, "checkpoint_before.h5", "filler"}
 MEASURED = ("wall_", "compile_", "particle_steps_per", "seconds_per")  # of the machine, not the run
 PATIENCE = 120.0  # s, after which a process hangs
+COMPILING = 900.0  # s, for the first process, which may compile kernels
 POLL = 0.0005  # s
 START_UP, IN_CHECKPOINT, IN_WRITING, AT_END, STEPPING = (
     "start-up",
@@ -65,7 +66,6 @@ START_UP, IN_CHECKPOINT, IN_WRITING, AT_END, STEPPING = (
 PHASES = (START_UP, IN_CHECKPOINT, IN_WRITING, AT_END, STEPPING)
 WEIGHTS = (18, 22, 18, 5, 37)
 QUICK = {"kills": 36, "terms": 4, "full": 3, "removed": 2}
-LAST_OF_QUICK = {"damaged": 0.3}
 
 
 class LostError(Exception):
@@ -107,10 +107,10 @@ class Process:
             sleep(POLL)
         return True
 
-    def wait(self) -> int:
+    def wait(self, longest: float = PATIENCE) -> int:
         """Return the exit code; a process that hangs is lost."""
         try:
-            return self.popen.wait(PATIENCE)
+            return self.popen.wait(longest)
         except subprocess.TimeoutExpired as error:
             self.popen.kill()
             self.popen.wait()
@@ -159,7 +159,7 @@ class Torture:
             shutil.rmtree(self.reference, ignore_errors=True)
             begin = monotonic()
             process = self.start(self.reference)
-            if process.wait() != 0:
+            if process.wait(COMPILING) != 0:
                 raise SystemExit(f"{self.name}: no reference: {process.text()}")
             self.whole = monotonic() - begin
         self.size = sum(f.stat().st_size for f in self.reference.rglob("*") if f.is_file())
@@ -263,9 +263,9 @@ class Torture:
             return
         try:
             run = open_run(folder)
-            run.history()
-            if len(run.times):
-                run.frame(len(run.times) - 1)
+            assert run.history["time"].size >= 0
+            if run.files:
+                run.frame()
         except Exception as error:
             raise LostError(f"cannot be read while it stands: {error}") from error
 

@@ -11,14 +11,13 @@ from debrisflow.case import build_case, dump_case
 
 SHIPPED = Path(__file__).parents[1] / "cases"
 Tables = dict[str, Any]
-CHECKPOINTS = {"checkpoint_wall_time": 0.05}
 CHANGES: dict[str, tuple[str, Tables]] = {
     "2D": (
         "flume2d",
         {
             "geometry": {"length": 2.0, "bed_start": 0.6, "bed_end": 1.92},
             "time": {"end": 4.0, "settling": 0.3},
-            "output": {"interval": 0.1},
+            "output": {"interval": 0.1, "checkpoint_interval": 0.01},
             "probe": [
                 {"type": "section", "name": "outlet", "x": 1.8, "interval": 0.02},
                 {
@@ -42,7 +41,7 @@ CHANGES: dict[str, tuple[str, Tables]] = {
         "check_dam3d",
         {
             "particles": {"spacing": 0.01},
-            "output": {"interval": 0.025},
+            "output": {"interval": 0.025, "checkpoint_interval": 0.01},
         },
     ),
     "terrain": (
@@ -50,7 +49,7 @@ CHANGES: dict[str, tuple[str, Tables]] = {
         {
             "particles": {"spacing": 2.0},
             "time": {"end": 60.0},
-            "output": {"interval": 2.0, "layer_interval": 1.0},
+            "output": {"interval": 2.0, "layer_interval": 1.0, "checkpoint_interval": 0.5},
         },
     ),
 }
@@ -58,11 +57,10 @@ CHANGES: dict[str, tuple[str, Tables]] = {
 
 
 def write_case(name: str, folder: Path) -> Path:
-    """Write the case of a run, with checkpoints every twentieth of a second, into a folder."""
+    """Write the case of a run, into a folder."""
     shipped, changes = CHANGES[name]
     tables = tomllib.loads((SHIPPED / f"{shipped}.toml").read_text(encoding="utf-8"))
     tables = _changed(tables, changes)
-    tables["output"] = tables["output"] | CHECKPOINTS
     path = folder / f"{name}.toml"
     path.write_text(dump_case(build_case(tables, folder=SHIPPED)), encoding="utf-8")
     return path

@@ -59,7 +59,7 @@ def beyond(integrand, q, radius):
 
     The function takes the distance r and the least cosine with the normal.
     """
-    whole = quad(lambda r: integrand(r, -1.0), 0.0, max(-q, 0.0))[0]
+    whole = quad(lambda r: integrand(r, -1.0), 0.0, -q)[0] if q < 0.0 else 0.0
     return whole + quad(lambda r: integrand(r, q / r), abs(q), radius, epsabs=1e-12)[0]
 
 

@@ -169,5 +169,5 @@ def test_missing_layers_are_told(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=known):
         read_layer(run, "peak_pressure")
     (run / "layers" / "peak_depth.tif").write_bytes(b"II*\0nothing")
-    with pytest.raises(OutputError, match=r"peak_depth\.tif cannot be read as a raster"):
+    with pytest.raises(OutputError, match=r"peak_depth\.tif cannot be read"):
         read_layer(run, "peak_depth")
