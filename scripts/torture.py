@@ -204,7 +204,8 @@ class Torture:
         try:
             latest = -1e9
             while True:
-                begun = (folder / CHECKPOINT).exists()
+                begun, was_damaged = (folder / CHECKPOINT).exists(), self.has_damaged
+                self.has_damaged = False
                 process = self.start(folder)
                 try:
                     way = stop(process)
@@ -214,7 +215,7 @@ class Torture:
                         process.popen.kill()
                         process.popen.wait()
                 self.check_messages(process, code, way)
-                latest = self.check_resumed(process, begun, latest)
+                latest = self.check_resumed(process, begun, latest, was_damaged)
                 if code == 0:
                     break
                 if folder.exists():
@@ -242,7 +243,9 @@ class Torture:
         if code not in expected:
             raise LostError(f"exit code {code} after {way}: {text[-2000:]}")
 
-    def check_resumed(self, process: Process, begun: bool, latest: float) -> float:
+    def check_resumed(
+        self, process: Process, begun: bool, latest: float, was_damaged: bool
+    ) -> float:
         """Check that a run went on from its checkpoint, and not from an earlier one than before."""
         with contextlib.suppress(OSError), (process.folder / "run.log").open("rb") as log:
             log.seek(process.mark)
@@ -251,20 +254,21 @@ class Torture:
                     raise LostError(f"begins anew although there was a checkpoint: {line}")
                 if "resumed at t = " in line:
                     time = float(line.partition("resumed at t = ")[2].split()[0])
-                    if time < latest - 1e-6 * abs(latest) and not self.has_damaged:
+                    if time < latest - 1e-6 * abs(latest) and not was_damaged:
                         raise LostError(f"{line}, before t = {latest:g} s of an earlier one")
-                    self.has_damaged = False
                     return time
+        self.has_damaged |= was_damaged
         return latest
 
     def check_readable(self, folder: Path) -> None:
         """Read a run as post-processing does, while it stands."""
-        if not (folder / "particles.pvd").exists() or not (folder / "history.csv").exists():
+        pvd = folder / "particles.pvd"
+        if not (folder / "history.csv").exists() or not pvd.exists():
             return
         try:
             run = open_run(folder)
             assert run.history["time"].size >= 0
-            if run.files:
+            if "DataSet" in pvd.read_text():
                 run.frame()
         except Exception as error:
             raise LostError(f"cannot be read while it stands: {error}") from error

@@ -87,15 +87,17 @@ def simulate(
     """
     clock = Clock()
     folder = Path(folder)
-    with clock.of(START_UP):
-        state = initial_state(case)
-        probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
-    with (
-        Listeners([StatusFile(folder), on_event or Bar()]) as listeners,
-        locked(folder),
-        RunFolder.create(folder, case, overwrite) as results,
-    ):
-        return _begin(case, results, state, probes, clock, threads, listeners)
+    with StopSignals() as signals:
+        with clock.of(START_UP):
+            state = initial_state(case)
+            probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
+        with (
+            Listeners([StatusFile(folder), on_event or Bar()]) as listeners,
+            locked(folder),
+            RunFolder.create(folder, case, overwrite) as results,
+            Progress(case, state, clock, listeners) as shown,
+        ):
+            return _begin(case, results, state, probes, shown, signals, threads)
 
 
 def _begin(
@@ -103,17 +105,16 @@ def _begin(
     results: RunFolder,
     state: State,
     probes: dict[str, Sampler],
-    clock: Clock,
+    shown: Progress,
+    signals: StopSignals,
     threads: int | None,
-    listeners: Listeners,
 ) -> dict[str, Any]:
     """Compute a case from its start, in a folder without results."""
-    with Progress(case, state, clock, listeners) as shown:
-        with clock.of(START_UP):
-            run = _Run(case, results, state, probes, shown, threads)
-            run.scheme.fill_number_density(state)
-        run.start()
-        return run.finish()
+    with shown.clock.of(START_UP):
+        run = _Run(case, results, state, probes, shown, signals, threads)
+        run.scheme.fill_number_density(state)
+    run.start()
+    return run.finish()
 
 
 def resume(
@@ -151,7 +152,11 @@ def resume(
         )
     must_be_own(folder)
     clock = Clock()
-    with Listeners([StatusFile(folder), on_event or Bar()]) as listeners, locked(folder):
+    with (
+        StopSignals() as signals,
+        Listeners([StatusFile(folder), on_event or Bar()]) as listeners,
+        locked(folder),
+    ):
         case = load_case(folder / CASE, [] if until is None else [f"time.end={until!r}"])
         if _has_ended(case, read_summary(folder)):
             return None
@@ -165,15 +170,15 @@ def resume(
                 probes = samplers(case, state)
             if until is not None:
                 results.write_case()
-            if kept is None:
-                LOG.info("there is no checkpoint: the run begins anew")
-                results.rewind(-math.inf)
-                return _begin(case, results, state, probes, clock, threads, listeners)
             with Progress(case, state, clock, listeners) as shown:
+                if kept is None:
+                    LOG.info("there is no checkpoint: the run begins anew")
+                    results.rewind(-math.inf)
+                    return _begin(case, results, state, probes, shown, signals, threads)
                 with clock.of(START_UP):
                     results.rewind(state.time)
                     LOG.info("resumed at t = %g s, step %d", state.time, state.step)
-                    run = _Run(case, results, state, probes, shown, threads)
+                    run = _Run(case, results, state, probes, shown, signals, threads)
                 return run.finish()
 
 
@@ -236,6 +241,7 @@ class _Run:
         state: State,
         probes: dict[str, Sampler],
         progress: Progress,
+        signals: StopSignals,
         threads: int | None,
     ) -> None:
         self.case, self.results, self.state = case, results, state
@@ -260,7 +266,7 @@ class _Run:
         self.recorder = recorder_of(case)
         self._origin, self._saved, self._saving = _origin(case), perf_counter(), 0.0
         self._checkpoint_is_due = self._is_at_rest = False
-        self._signals = StopSignals()
+        self._signals = signals
         LOG.info(
             "%s: %d fluid of %d particles, threads by %s",
             case.title,
@@ -292,8 +298,7 @@ class _Run:
     def finish(self) -> dict[str, Any]:
         """Run to the end of the simulated time and return the summary."""
         try:
-            with self._signals:
-                reason = self._loop()
+            reason = self._loop()
         except DivergedError as error:
             raise self._failed(error) from error
         figures = self._conclude(reason)

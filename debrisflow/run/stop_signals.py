@@ -15,6 +15,10 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 class StopSignals:
     """Takes the signals that end a program while it is open, in the main thread.
 
+    The second one raises no error from within a library if it can be helped, where it might be
+    lost: SIGTERM ends the process there and then.  Files are replaced as wholes, so that none is
+    damaged.
+
     Attributes
     ----------
     received : int or None
@@ -23,7 +27,7 @@ class StopSignals:
     Raises
     ------
     Interrupted
-        At the second signal, wherever the run is then.
+        At a second Ctrl-C, wherever the run is then.
     """
 
     def __init__(self) -> None:
@@ -31,9 +35,13 @@ class StopSignals:
         self._former: dict[signal.Signals, Any] = {}
 
     def _take(self, number: int, frame: FrameType | None) -> None:
-        if self.received is not None:
+        if self.received is None:
+            self.received = number
+        elif number == signal.SIGTERM:
+            signal.signal(number, signal.SIG_DFL)
+            signal.raise_signal(number)
+        else:
             raise Interrupted(number)
-        self.received = number
 
     def __enter__(self) -> Self:
         """Return the object itself."""

@@ -183,7 +183,7 @@ def test_the_second_signal_stops_at_once(tmp_path):
         process.send_signal(signal.SIGINT)
         process.send_signal(signal.SIGTERM)
         process.communicate(timeout=60)
-    assert process.returncode in (130, 143)
+    assert process.returncode in (130, 143, -signal.SIGTERM)  # a shell has 143 for the last
     assert not is_locked(run)
     if (run / CHECKPOINT).exists():
         checkpoint.load(run / CHECKPOINT)
