@@ -202,22 +202,23 @@ def write_raster(path: Path, raster: Raster, tags: Mapping[str, str] | None = No
     rasterio = _rasterio()
     values = np.where(np.isnan(raster.values), NODATA, raster.values).astype(np.float32)
     grid = raster.grid
-    with rasterio.open(
-        path,
-        "w",
-        driver="GTiff",
-        width=grid.columns,
-        height=grid.rows,
-        count=1,
-        dtype="float32",
-        crs=grid.crs or None,
-        transform=rasterio.Affine(grid.cell, 0.0, grid.west, 0.0, -grid.cell, grid.north),
-        nodata=NODATA,
-        compress="deflate",
-        predictor=3,
-    ) as file:
-        file.write(values, 1)
-        file.update_tags(**(tags or {}))
+    # in memory first: GDAL does not always say that a file did not fit on the disk
+    with rasterio.MemoryFile() as memory:
+        with memory.open(
+            driver="GTiff",
+            width=grid.columns,
+            height=grid.rows,
+            count=1,
+            dtype="float32",
+            crs=grid.crs or None,
+            transform=rasterio.Affine(grid.cell, 0.0, grid.west, 0.0, -grid.cell, grid.north),
+            nodata=NODATA,
+            compress="deflate",
+            predictor=3,
+        ) as file:
+            file.write(values, 1)
+            file.update_tags(**(tags or {}))
+        path.write_bytes(memory.read())
 
 
 def has_rasterio() -> bool:

@@ -363,13 +363,16 @@ def _write_by_gdal(
     pyogrio.set_gdal_config_options({"OGR_CURRENT_DATE": NO_DATE})
     with warnings.catch_warnings():  # where the map states no system
         warnings.filterwarnings("ignore", message="'crs' was not provided")
-        pyogrio.raw.write(
-            path,
-            np.array(shapely.to_wkb(parts), dtype=object),
-            [np.asarray(values) for values in columns.values()],
-            list(columns),
-            driver="GPKG",
-            layer=path.stem,
-            geometry_type="MultiPolygon",
-            crs=crs or None,
-        )
+        try:
+            pyogrio.raw.write(
+                path,
+                np.array(shapely.to_wkb(parts), dtype=object),
+                [np.asarray(values) for values in columns.values()],
+                list(columns),
+                driver="GPKG",
+                layer=path.stem,
+                geometry_type="MultiPolygon",
+                crs=crs or None,
+            )
+        except RuntimeError as error:  # base of all errors of pyogrio
+            raise OSError(str(error)) from error

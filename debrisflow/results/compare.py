@@ -20,6 +20,7 @@ from debrisflow.results.station_figures import COLUMNS, unit_of
 from debrisflow.results.stations import VOLUME
 from debrisflow.results.survey import AnySurvey, Survey
 from debrisflow.results.terrain_survey import TerrainSurvey
+from debrisflow.run.atomic import made
 from debrisflow.run.tables import Row, write_table
 
 ABSENT = "-"
@@ -97,6 +98,7 @@ def compare(
     ]
     time = min(_last(one) for one in found)
     together = Comparison(names, differing, _figures(found), measured, time)
+    made(target, is_deep=True)
     files = [target / "parameters.csv", target / "answers.csv"]
     write_table(files[0], ("parameter", *names), ("where the cases differ",), differing)
     write_table(

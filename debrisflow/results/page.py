@@ -20,7 +20,7 @@ from debrisflow.results.plots import DESCRIPTIONS
 from debrisflow.results.reader import Run
 from debrisflow.results.station_figures import figure
 from debrisflow.results.words import Words
-from debrisflow.run.atomic import replaced
+from debrisflow.run.atomic import made, replaced
 from debrisflow.run.names import PICTURES, POSTPROCESS
 
 FILE = "report.html"
@@ -94,7 +94,7 @@ def write_page(
     parts = {"style": looks, "script": program, "policy": policy(looks, program)}
     known = _common(run) | parts | {"words": words, "pictures": pictures(run.folder / PICTURES)}
     page = environment.get_template(template).render(**known, **contents)
-    path = run.folder / POSTPROCESS / FILE
+    path = made(run.folder / POSTPROCESS) / FILE
     with replaced(path) as unfinished:
         unfinished.write_text(page, encoding="utf-8")
     return path

@@ -30,6 +30,7 @@ from debrisflow.results.references import (
 from debrisflow.results.shared_answers import Answer
 from debrisflow.results.survey import AnySurvey, Survey
 from debrisflow.results.terrain_survey import TerrainSurvey
+from debrisflow.run.atomic import made
 from debrisflow.run.names import POSTPROCESS
 from debrisflow.run.tables import Row, Table, write_table
 
@@ -72,7 +73,7 @@ def postprocess(found: AnySurvey, given: Sequence[Reference] = ()) -> tuple[list
     OutputError
         If the folder cannot be written, or a reference fits no table of the run.
     """
-    target = found.run.folder / POSTPROCESS
+    target = made(found.run.folder / POSTPROCESS)
     rows, measured = answers(found), distances_to_all(found, given)
     files = _write_tables(found, measured, rows, target)
     return [*files, *draw(found, given, measured, target)], _summary_lines(found, rows, measured)

@@ -17,6 +17,7 @@ from shapely.ops import substring
 from debrisflow.case.rasters import Raster
 from debrisflow.results.plots.style import BLUE, RED, WIDTH, save, styled
 from debrisflow.results.score import Comparison, Row
+from debrisflow.run.atomic import made
 from debrisflow.run.names import POSTPROCESS
 from debrisflow.run.tables import write_table
 
@@ -42,7 +43,7 @@ def write_score(run: Path, observed: Path, found: Comparison) -> list[Path]:
     OutputError
         If the operating system refuses to write.
     """
-    folder = run / POSTPROCESS
+    folder = made(run / POSTPROCESS)
     table = folder / "score.csv"
     head = [line.format(observed=observed.name) for line in HEAD]
     write_table(table, Row._fields, head, found.rows)

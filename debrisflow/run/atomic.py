@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from debrisflow.errors import OutputError
+from debrisflow.run.refusals import refused
 
 UNFINISHED = ".unfinished"
 
@@ -17,7 +17,8 @@ UNFINISHED = ".unfinished"
 def replaced(path: Path, is_flushed: bool = True) -> Iterator[Path]:
     """Yield a temporary name beside a path; at the end the file written there replaces the path.
 
-    The folder is created if it does not exist.  If the block raises, the path is unchanged.
+    Its folder must be there: that of a run which was removed is not made again.  If the block
+    raises, the path is unchanged.
 
     Parameters
     ----------
@@ -32,13 +33,12 @@ def replaced(path: Path, is_flushed: bool = True) -> Iterator[Path]:
     """
     unfinished = path.with_name(path.name + UNFINISHED)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         yield unfinished
         if is_flushed:
             _flush(unfinished)
         os.replace(unfinished, path)
     except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from error
+        raise refused(path, error) from error
     finally:
         with suppress(OSError):
             unfinished.unlink(missing_ok=True)
@@ -49,7 +49,8 @@ def replaced_files(folder: Path) -> Iterator[Path]:
     """Yield a temporary folder within a folder; at the end the files written there move into it.
 
     For writers that choose a format by the ending of a name or write several files.  The folder is
-    created if it does not exist.  If the block raises, its files are unchanged.
+    made if it does not exist, that in which it lies must.  If the block raises, its files are
+    unchanged.
 
     Raises
     ------
@@ -59,7 +60,8 @@ def replaced_files(folder: Path) -> Iterator[Path]:
     unfinished = folder / f"new{UNFINISHED}"
     try:
         shutil.rmtree(unfinished, ignore_errors=True)  # what a killed run has left there
-        unfinished.mkdir(parents=True, exist_ok=True)
+        made(folder)
+        unfinished.mkdir(exist_ok=True)
         yield unfinished
         files = sorted(unfinished.iterdir())
         for file in files:
@@ -67,9 +69,30 @@ def replaced_files(folder: Path) -> Iterator[Path]:
         for file in files:
             os.replace(file, folder / file.name)
     except OSError as error:
-        raise OutputError(f"cannot write into {folder}: {error.strerror or error}") from error
+        raise refused(folder, error) from error
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def made(folder: Path, is_deep: bool = False) -> Path:
+    """Return a folder, made if it does not exist.
+
+    Parameters
+    ----------
+    folder : Path
+    is_deep : bool
+        Make those in which it lies too; within a run they must be there, or the run was removed.
+
+    Raises
+    ------
+    OutputError
+        If the operating system refuses.
+    """
+    try:
+        folder.mkdir(parents=is_deep, exist_ok=True)
+    except OSError as error:
+        raise refused(folder, error) from error
+    return folder
 
 
 def _flush(file: Path) -> None:

@@ -181,10 +181,13 @@ def _is_shallow(part: Any, depth: int) -> bool:
 
 
 def _write(path: Path, state: State, origin: Origin) -> None:
-    with h5py.File(path, "w", libver=("earliest", "v110")) as file:
-        _put(file, state)
-        kept = file.create_group(ORIGIN)
-        kept.attrs.update(origin._asdict() | {CHECKSUM: _checksum(state, origin)})
+    try:
+        with h5py.File(path, "w", libver=("earliest", "v110")) as file:
+            _put(file, state)
+            kept = file.create_group(ORIGIN)
+            kept.attrs.update(origin._asdict() | {CHECKSUM: _checksum(state, origin)})
+    except RuntimeError as error:  # of HDF5, which closes a file that did not fit on the disk
+        raise OSError(str(error)) from error
 
 
 def _put(group: h5py.Group, record: State | Particles | Maxima | Layers) -> None:

@@ -6,6 +6,7 @@ import json
 import logging
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -48,6 +49,7 @@ from debrisflow.run.names import (
 )
 from debrisflow.run.probe import ProbeOutput, is_probe_file
 from debrisflow.run.probes import sampler_of
+from debrisflow.run.refusals import refused
 from debrisflow.run.summary_file import checked_summary
 from debrisflow.run.tables import Row, Series
 from debrisflow.run.vtu import FOLDER, Collection, write_particles
@@ -105,6 +107,18 @@ DERIVED = (
 )
 
 
+class _LogFile(logging.FileHandler):
+    """The log of a run; a message that cannot be written, as on a full disk, ends no run."""
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
+        """Drop a message; that the disk is full is told by the results."""
+
+    def close(self) -> None:
+        """Close the file."""
+        with suppress(OSError):
+            super().close()
+
+
 class _Lines(logging.Formatter):
     """Formats messages so that no name in one looks like another message or steers a terminal."""
 
@@ -157,7 +171,7 @@ class RunFolder:
         self.log = logging.getLogger("debrisflow")
         if self.log.level == logging.NOTSET:
             self.log.setLevel(logging.INFO)
-        self._handler = logging.FileHandler(path / LOG, encoding="utf-8")
+        self._handler = _LogFile(path / LOG, encoding="utf-8")
         self._handler.setFormatter(_Lines("%(asctime)s %(levelname)s %(message)s"))
         self.log.addHandler(self._handler)
 
@@ -185,7 +199,7 @@ class RunFolder:
             _write_case(path, case)  # the first file, so that any other results can be gone on with
             return cls(path, case)
         except OSError as error:
-            raise OutputError(f"cannot write into {path}: {error.strerror}") from error
+            raise refused(path, error) from error
 
     @classmethod
     def open(cls, path: Path, case: ResolvedCase) -> Self:
@@ -199,7 +213,7 @@ class RunFolder:
         try:
             return cls(path, case)
         except OSError as error:
-            raise OutputError(f"cannot write into {path}: {error.strerror}") from error
+            raise refused(path, error) from error
 
     def write_case(self) -> None:
         """Write the case with all its defaults."""

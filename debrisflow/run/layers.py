@@ -15,7 +15,7 @@ from debrisflow import __version__
 from debrisflow.case.rasters import MapGrid, Raster, has_rasterio, raster_of_plan, write_raster
 from debrisflow.case.vectors import UnreadableVectorsError, write_polygons
 from debrisflow.particles.layers import Layers
-from debrisflow.run.atomic import UNFINISHED, replaced_files
+from debrisflow.run.atomic import UNFINISHED, made, replaced_files
 from debrisflow.run.layer_styles import style
 from debrisflow.run.tables import Series
 
@@ -196,8 +196,7 @@ class DepthFrames:
     """
 
     def __init__(self, folder: Path, grid: MapGrid) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
-        self._folder, self._grid = folder, grid
+        self._folder, self._grid = made(folder), grid
         self._times = Series(folder / FRAME_TIMES, ("time", "frame"), FRAME_HEAD)
         self._count = len(_frames(folder))
 

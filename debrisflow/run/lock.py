@@ -10,6 +10,7 @@ from filelock import FileLock, Timeout
 
 from debrisflow.errors import OutputError
 from debrisflow.run.names import LOCK
+from debrisflow.run.refusals import refused
 
 PATIENCE = 1.0  # s, for a process that only looks whether there is a run
 
@@ -33,7 +34,9 @@ def locked(folder: Path) -> Iterator[None]:
         raise OutputError(
             f"another process is writing into {folder}; watch it with: debrisflow status {folder}"
         ) from error
-    except (OSError, NotImplementedError) as error:
+    except OSError as error:
+        raise refused(folder, error) from error
+    except NotImplementedError as error:
         raise OutputError(f"cannot write into {folder}: {error}") from error
     try:
         yield

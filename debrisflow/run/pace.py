@@ -64,10 +64,12 @@ def remember(case: ResolvedCase, pace: Pace) -> None:
     """Keep the pace of a run for later forecasts; where it cannot be written, it is not kept."""
     if pace.seconds < SHORTEST or pace.steps < 1:
         return
-    with suppress(OutputError, OSError, RuntimeError), replaced(_file()) as unfinished:
-        numbers = {name: value for name, value in pace._asdict().items() if name != "source"}
-        kept = _kept() | {_kind(case): numbers}
-        unfinished.write_text(json.dumps(kept, indent=2) + "\n", encoding="utf-8")
+    numbers = {name: value for name, value in pace._asdict().items() if name != "source"}
+    with suppress(OutputError, OSError, RuntimeError):
+        _file().parent.mkdir(parents=True, exist_ok=True)
+        with replaced(_file()) as unfinished:
+            kept = _kept() | {_kind(case): numbers}
+            unfinished.write_text(json.dumps(kept, indent=2) + "\n", encoding="utf-8")
 
 
 def last_pace(case: ResolvedCase) -> Pace | None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from debrisflow.errors import OutputError, shown, steers
 from debrisflow.run.atomic import replaced
 from debrisflow.run.reading import text_of
+from debrisflow.run.refusals import refused, removed
 
 Row = Sequence[float | int | str]
 Table = dict[str, NDArray[np.float64]]
@@ -102,19 +104,21 @@ class Series:
         self._open()
 
     def append(self, rows: Iterable[Row]) -> None:
-        """Write rows; they are on disk when this returns."""
-        try:
+        """Write rows; who reads the file sees them when this returns.
+
+        Raises
+        ------
+        OutputError
+            If the operating system refuses, or the file was removed.
+        """
+        with self._told():
             self._writer.writerows(_printed(row) for row in rows)
             self._file.flush()
-        except OSError as error:
-            raise OutputError(f"cannot write {self.path}: {error.strerror}") from error
 
     def flush(self) -> None:
         """Bring what was written to the disk, where it survives a loss of power."""
-        try:
+        with self._told():
             os.fsync(self._file.fileno())
-        except OSError as error:
-            raise OutputError(f"cannot write {self.path}: {error.strerror}") from error
 
     def truncate_after(self, time: float) -> None:
         """Remove the rows later than a time, s, and a last row without its line end.
@@ -141,11 +145,27 @@ class Series:
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        with suppress(OSError):  # of rows that could not be written, as was told then
+            self._file.close()
 
     def _open(self) -> None:
-        self._file = self.path.open("a", newline="", encoding="utf-8")
+        try:
+            self._file = self.path.open("a", newline="", encoding="utf-8")
+        except OSError as error:
+            raise refused(self.path, error) from error
         self._writer = csv.writer(self._file, lineterminator="\n")
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Tell in plain words why the file cannot be written, also one removed while it is open."""
+        try:
+            if not os.path.samestat(os.fstat(self._file.fileno()), self.path.stat()):
+                raise removed(self.path)
+            yield
+        except FileNotFoundError as error:
+            raise removed(self.path) from error
+        except OSError as error:
+            raise refused(self.path, error) from error
 
 
 def _printed(row: Row) -> list[str]:

@@ -14,7 +14,7 @@ import numpy as np
 from debrisflow.errors import OutputError
 from debrisflow.particles.arrays import ARRAYS
 from debrisflow.particles.record import Particles
-from debrisflow.run.atomic import replaced
+from debrisflow.run.atomic import made, replaced
 from debrisflow.run.reading import within, xml_of
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ class Collection:
 
     def append(self, time: float, write: Callable[[Path], None]) -> None:
         """Add a file at a time, s; the function writes it."""
-        file = self._folder / f"{len(self.frames):06d}.{self._ending}"
+        file = made(self._folder) / f"{len(self.frames):06d}.{self._ending}"
         write(file)
         self.frames.append((time, file))
         write_collection(self.path, self.frames)
@@ -135,4 +135,4 @@ def write_mesh(path: Path, mesh: pyvista.DataSet) -> None:
         writer.SetFileName(str(unfinished))
         writer.SetInputData(mesh)
         if not writer.Write():
-            raise OutputError(f"cannot write {path}: no space is left, or the folder is read-only")
+            raise OSError("the writer of VTK failed")

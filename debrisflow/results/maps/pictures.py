@@ -12,7 +12,7 @@ from debrisflow.results.maps.sheet import Ground, Text, draw_map, styled
 from debrisflow.results.maps.structures import structures
 from debrisflow.results.reader import Run
 from debrisflow.results.words import Words
-from debrisflow.run.atomic import replaced
+from debrisflow.run.atomic import made, replaced
 from debrisflow.run.names import MAPS
 
 DPI = 200
@@ -52,7 +52,7 @@ def draw_maps(
     with styled(drawn):
         for layer in chosen:
             figure = draw_map(ground, layer, text_of(run, layers, layer, drawn), drawn)
-            files.append(run.folder / MAPS / f"{layer.name}.png")
+            files.append(made(run.folder / MAPS) / f"{layer.name}.png")
             with replaced(files[-1]) as unfinished:
                 made_by = {"Software": "debrisflow"}
                 figure.savefig(unfinished, dpi=dpi, format="png", metadata=made_by)

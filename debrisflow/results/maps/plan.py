@@ -42,7 +42,7 @@ from debrisflow.results.maps.sheet import (
 from debrisflow.results.maps.sheet import outline as edges_of
 from debrisflow.results.maps.structures import structures
 from debrisflow.results.words import Words
-from debrisflow.run.atomic import replaced
+from debrisflow.run.atomic import made, replaced
 from debrisflow.run.ground_forecast import format_volume
 
 Floats = NDArray[np.float64]
@@ -76,6 +76,7 @@ def draw_case(case: ResolvedCase, path: Path) -> Path:
         raise OutputError("a picture of the case is drawn on a terrain only, and this has none")
     if path.suffix.lower() != ".png":
         raise OutputError(f"{path}: the picture is a PNG; call it {path.with_suffix('.png').name}")
+    made(path.parent, is_deep=True)
     words = Words()
     with styled(words):
         figure = _figure(case, words)

@@ -38,7 +38,7 @@ from debrisflow.results.pictures.sheet import TEXT, Sheet, layout
 from debrisflow.results.pictures.terrain import TerrainPanels
 from debrisflow.results.pictures.views import Window
 from debrisflow.results.reader import BAR, Run, open_run
-from debrisflow.run.atomic import replaced
+from debrisflow.run.atomic import made, replaced
 from debrisflow.run.bar import bar
 from debrisflow.run.names import PICTURES
 from debrisflow.space.scene import scene_of
@@ -121,7 +121,7 @@ def _write(
 ) -> list[Path]:
     """Write the page of a view, and the animation of one of them, and return their files."""
     page = painter.page(view, frames)
-    files = [painter.run.folder / PICTURES / f"{view.name}_{by}.png"]
+    files = [made(painter.run.folder / PICTURES) / f"{view.name}_{by}.png"]
     with replaced(files[0]) as unfinished:
         page.save(unfinished, format="PNG", dpi=(DOTS, DOTS))
     if view is animated:

@@ -1,0 +1,96 @@
+"""A disk that is full or a folder that is gone ends a run in plain words, and loses nothing."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from debrisflow.case import dump_case
+from debrisflow.cli import main
+from debrisflow.errors import OutputError
+from debrisflow.run import loop
+from debrisflow.run.tables import Series
+from tests.building import bed_case
+from tests.slow.test_resume import results
+
+SMALL = 400_000  # bytes, of a disk that the run below fills
+
+
+def case_of(folder: Path, interval: float = 0.004) -> Path:
+    """Write a case with many frames."""
+    output = {"interval": interval, "checkpoint_interval": 0.03}
+    path = folder / "bed.toml"
+    path.write_text(dump_case(bed_case(time={"end": 0.15}, output=output)))
+    return path
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """Yield a folder on a file system of its own, in memory."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", f"size={SMALL}", "tmpfs", str(folder)]
+    if sys.platform != "linux" or subprocess.run(command, capture_output=True).returncode != 0:
+        pytest.skip("mounting a file system is not allowed here")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+def gone_at(step: int, change: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Change the disk after a step of a run."""
+    advance = loop._Run._advance
+
+    def changing(run: loop._Run, due: float) -> int:
+        iterations = advance(run, due)
+        if run.state.step == step:
+            change()
+        return iterations
+
+    monkeypatch.setattr(loop._Run, "_advance", changing)
+
+
+def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_space(tmp_path, small_disk):
+    case, run, whole = case_of(tmp_path), small_disk / "run", tmp_path / "whole"
+    loop.simulate(loop.load_case(case), whole)
+    answer = CliRunner().invoke(main, ["run", str(case), "-o", str(run)])
+    assert answer.exit_code == 3, answer.output
+    assert "no space is left on the disk" in answer.stderr
+    assert "then go on with: debrisflow resume" in answer.stderr
+    assert "Traceback" not in answer.output
+    assert "Logging error" not in answer.output
+    again = CliRunner().invoke(main, ["resume", str(run)])
+    assert again.exit_code == 3, again.output
+    assert "no space is left" in again.stderr
+    larger = f"remount,size={100 * SMALL}"
+    subprocess.run(["mount", "-o", larger, str(small_disk)], check=True)
+    answer = CliRunner().invoke(main, ["resume", str(run)])
+    assert answer.exit_code == 0, answer.output
+    assert results(run) == results(whole)
+
+
+@pytest.mark.parametrize("interval", [0.002, 0.1])
+@pytest.mark.parametrize("is_moved", [False, True])
+def test_a_folder_that_is_gone_is_told_and_not_made_again(
+    tmp_path, monkeypatch, interval, is_moved
+):
+    case, run, away = case_of(tmp_path, interval), tmp_path / "run", tmp_path / "away"
+    gone_at(30, lambda: run.rename(away) if is_moved else shutil.rmtree(run), monkeypatch)
+    answer = CliRunner().invoke(main, ["run", str(case), "-o", str(run)])
+    assert answer.exit_code == 3, answer.output
+    assert "was removed or moved" in answer.stderr
+    assert "debrisflow resume" in answer.stderr
+    assert not run.exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no disk that is always full")
+def test_a_table_that_could_not_be_written_is_told_once():
+    series = Series(Path("/dev/full"), ("time",), ())
+    with pytest.raises(OutputError, match="no space is left"):
+        series.append([(1.0,)])
+    series.close()
