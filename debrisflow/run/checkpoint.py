@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from hashlib import sha256
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -181,13 +182,13 @@ def _is_shallow(part: Any, depth: int) -> bool:
 
 
 def _write(path: Path, state: State, origin: Origin) -> None:
-    try:
-        with h5py.File(path, "w", libver=("earliest", "v110")) as file:
-            _put(file, state)
-            kept = file.create_group(ORIGIN)
-            kept.attrs.update(origin._asdict() | {CHECKSUM: _checksum(state, origin)})
-    except RuntimeError as error:  # of HDF5, which closes a file that did not fit on the disk
-        raise OSError(str(error)) from error
+    """Write a file as a whole: HDF5 is not quiet about files that did not fit on the disk."""
+    content = BytesIO()
+    with h5py.File(content, "w", libver=("earliest", "v110")) as file:
+        _put(file, state)
+        kept = file.create_group(ORIGIN)
+        kept.attrs.update(origin._asdict() | {CHECKSUM: _checksum(state, origin)})
+    path.write_bytes(content.getbuffer())
 
 
 def _put(group: h5py.Group, record: State | Particles | Maxima | Layers) -> None:

@@ -22,6 +22,7 @@ from debrisflow.neighbors.lattice import Reference, reference
 from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
 from debrisflow.particles.state import PHASES
+from debrisflow.run.disk import needed, times
 from debrisflow.run.duration import duration
 from debrisflow.run.ground_forecast import (
     AT_START,
@@ -33,10 +34,6 @@ from debrisflow.run.pace import Pace
 from debrisflow.run.work import mean_number, speeds, step_at
 from debrisflow.space.encounters import encounters
 from debrisflow.space.volumes import differences
-
-# One fluid particle in a compressed particle file.  Wall particles take less: 37 bytes a particle
-# were measured with random fields where three particles in five were fluid.
-BYTES_ON_DISK = 60
 
 
 @dataclass(frozen=True)
@@ -173,7 +170,7 @@ class Forecast:
                 f"steps          about {self.steps:,} at that step",
                 f"wall time      {self._wall_time()}",
                 f"memory         {size(self.memory)}",
-                f"disk           {size(self.disk)} in {self.frames:,} particle files"
+                f"disk           {size(self.disk)}, {self.frames:,} particle files among it"
                 + self._warnings(),
                 *([HEAD, *map(str, self.rounded)] if self.rounded else []),
             ]
@@ -212,7 +209,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
     counts = released_counts(case) if is_terrain else _counts(case)
     at_start = (AT_START,) if is_terrain else PHASES
     fluid = mean_number(case, sum(counts.get(name, 0) for name in at_start))
-    frames = ceil(case.time.end / case.output.interval - 1e-9) + 1
+    frames = times(case.time.end, case.output.interval)
     return Forecast(
         counts=counts,
         rows=rows_over_depths(case),
@@ -226,7 +223,7 @@ def forecast(case: ResolvedCase, pace: Pace | None = None) -> Forecast:
         fluid=fluid,
         pace=pace,
         memory=particle_estimate(case)["memory"],
-        disk=float(frames * (fluid if is_terrain else sum(counts.values())) * BYTES_ON_DISK),
+        disk=needed(case, fluid if is_terrain else max(fluid, sum(counts.values()))),
         frames=frames,
         sound=_sound(case, speed, max(fall_speed(*space), collapse_speed(*released))),
         poor=_poor(case),

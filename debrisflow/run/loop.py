@@ -21,6 +21,7 @@ from debrisflow.particles.start import initial_state
 from debrisflow.particles.state import State
 from debrisflow.run.bar import Bar
 from debrisflow.run.checkpoint import Checkpoint, Origin, check_fits
+from debrisflow.run.disk import expect_space
 from debrisflow.run.events import AT_REST, EMPTY, END_OF_TIME, INTERRUPTED, Listener
 from debrisflow.run.folder import RunFolder, read_summary
 from debrisflow.run.history import history_row
@@ -91,13 +92,14 @@ def simulate(
         with clock.of(START_UP):
             state = initial_state(case)
             probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
-        with (
-            Listeners([StatusFile(folder), on_event or Bar()]) as listeners,
-            locked(folder),
-            RunFolder.create(folder, case, overwrite) as results,
-            Progress(case, state, clock, listeners) as shown,
-        ):
-            return _begin(case, results, state, probes, shown, signals, threads)
+        with Listeners([StatusFile(folder), on_event or Bar()]) as listeners:
+            expect_space(case, folder, state.particles.fluid_count)
+            with (
+                locked(folder),
+                RunFolder.create(folder, case, overwrite) as results,
+                Progress(case, state, clock, listeners) as shown,
+            ):
+                return _begin(case, results, state, probes, shown, signals, threads)
 
 
 def _begin(
@@ -168,6 +170,7 @@ def resume(
                     _check(kept, case, state, accept_changes)
                     state = kept.state
                 probes = samplers(case, state)
+            expect_space(case, folder, state.particles.fluid_count)
             if until is not None:
                 results.write_case()
             with Progress(case, state, clock, listeners) as shown:

@@ -14,12 +14,12 @@ from click.testing import CliRunner
 from debrisflow.case import dump_case
 from debrisflow.cli import main
 from debrisflow.errors import OutputError
-from debrisflow.run import loop
+from debrisflow.run import disk, loop
 from debrisflow.run.tables import Series
 from tests.building import bed_case
 from tests.slow.test_resume import results
 
-SMALL = 400_000  # bytes, of a disk that the run below fills
+SMALL = 800_000  # bytes, of a disk that the run below fills
 
 
 def case_of(folder: Path, interval: float = 0.004) -> Path:
@@ -66,7 +66,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_space(tmp_path, s
     assert "Logging error" not in answer.output
     again = CliRunner().invoke(main, ["resume", str(run)])
     assert again.exit_code == 3, again.output
-    assert "no space is left" in again.stderr
+    assert "of disk space, and 0 MB are free" in again.stderr
     larger = f"remount,size={100 * SMALL}"
     subprocess.run(["mount", "-o", larger, str(small_disk)], check=True)
     answer = CliRunner().invoke(main, ["resume", str(run)])
@@ -94,3 +94,23 @@ def test_a_table_that_could_not_be_written_is_told_once():
     with pytest.raises(OutputError, match="no space is left"):
         series.append([(1.0,)])
     series.close()
+
+
+@pytest.mark.parametrize(("free", "code"), [(1e5, 3), (6e5, 0), (1e9, 0)])
+def test_a_run_that_the_disk_cannot_hold_is_refused_before_it_begins(
+    tmp_path, monkeypatch, free, code
+):
+    case, run = case_of(tmp_path, 0.05), tmp_path / "run"
+    usage = shutil.disk_usage(tmp_path)._replace(free=int(free))
+    monkeypatch.setattr(disk.shutil, "disk_usage", lambda _: usage)
+    answer = CliRunner().invoke(main, ["run", str(case), "-o", str(run)])
+    assert answer.exit_code == code, answer.output
+    assert ("the run needs about 1 MB of disk space" in answer.stderr) == (free < 1e6)
+    assert run.exists() == (code == 0)
+
+
+def test_the_need_of_disk_is_near_what_a_run_writes(tmp_path):
+    case = loop.load_case(case_of(tmp_path, 0.002))
+    loop.simulate(case, tmp_path / "run")
+    written = sum(file.stat().st_size for file in (tmp_path / "run").rglob("*") if file.is_file())
+    assert 0.5 < written / disk.needed(case, 190.0) < 1.2
