@@ -7,7 +7,6 @@ import shutil
 from contextlib import suppress
 from pathlib import Path
 
-from debrisflow.case.memory import size
 from debrisflow.errors import OutputError
 
 FULL = 2**20  # bytes; libraries that say only that they failed have met a full disk below this
@@ -47,6 +46,8 @@ def refused(path: Path, error: OSError) -> OutputError:
         number = errno.ENOSPC
     says = SAYS.get(number or 0, error.strerror or str(error) or "the operating system refuses")
     if number == errno.ENOSPC and free is not None:
+        from debrisflow.case.memory import size  # status, which needs none of it, is to be quick
+
         says += f" ({size(free)} are free)"
     remedy = REMEDIES.get(number or 0)
     return OutputError(f"cannot write {path}: {says}" + (f"; {remedy}" if remedy else ""))
