@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import shutil
+from contextlib import suppress
 from math import ceil
 from pathlib import Path
 
@@ -82,7 +83,7 @@ def expect_space(case: ResolvedCase, folder: Path, particles: int) -> None:
         If twice as much as is free is needed, more than the estimate can be wrong by.
     """
     there = next(one for one in (folder, *folder.absolute().parents) if one.exists())
-    written = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+    written = _written(folder)
     need = needed(case, mean_number(case, particles)) - written
     free = shutil.disk_usage(there).free
     told = f"the run needs about {size(need)} of disk space, and {size(free)} are free in {there}"
@@ -92,3 +93,12 @@ def expect_space(case: ResolvedCase, folder: Path, particles: int) -> None:
         )
     if need > free:
         LOG.warning("%s", told)
+
+
+def _written(folder: Path) -> int:
+    """Return the size of the files in a folder, bytes; others may change some meanwhile."""
+    found = 0
+    for file in folder.rglob("*"):
+        with suppress(OSError):
+            found += file.stat().st_size
+    return found

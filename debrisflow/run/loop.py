@@ -52,7 +52,7 @@ LOG = logging.getLogger(__name__)
 MOST_HALVINGS = 6
 LEAST_REST = 1.0e-6  # of the largest step; shorter rests of halved steps to a due time are dropped
 FEWEST_PARTICLES_A_THREAD = 4000
-MOST_SAVING = 0.02  # of the wall time, for checkpoints by wall time
+MOST_SAVING = 0.015  # of the wall time, for checkpoints by wall time
 
 
 def simulate(

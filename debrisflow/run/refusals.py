@@ -10,7 +10,7 @@ from pathlib import Path
 from debrisflow.errors import OutputError
 
 FULL = 2**20  # bytes; libraries that say only that they failed have met a full disk below this
-RESUME = "then go on with: debrisflow resume RUN"
+RESUME = "a run then goes on with: debrisflow resume RUN"
 SAYS = {
     errno.ENOSPC: "no space is left on the disk",
     errno.EDQUOT: "the quota of disk space is used up",
@@ -18,9 +18,9 @@ SAYS = {
     errno.EACCES: "permission is denied",
 }
 REMEDIES = {
-    errno.ENOSPC: f"free some, {RESUME}",
-    errno.EDQUOT: f"remove files or ask for more, {RESUME}",
-    errno.EROFS: f"make it writable, {RESUME}",
+    errno.ENOSPC: f"free some; {RESUME}",
+    errno.EDQUOT: f"remove files or ask for more; {RESUME}",
+    errno.EROFS: f"make it writable; {RESUME}",
 }
 
 

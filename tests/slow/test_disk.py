@@ -61,7 +61,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_space(tmp_path, s
     answer = CliRunner().invoke(main, ["run", str(case), "-o", str(run)])
     assert answer.exit_code == 3, answer.output
     assert "no space is left on the disk" in answer.stderr
-    assert "then go on with: debrisflow resume" in answer.stderr
+    assert "a run then goes on with: debrisflow resume" in answer.stderr
     assert "Traceback" not in answer.output
     assert "Logging error" not in answer.output
     again = CliRunner().invoke(main, ["resume", str(run)])
