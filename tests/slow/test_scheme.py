@@ -312,7 +312,8 @@ def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
     monkeypatch.setattr(Solver, "MULTIGRID_FROM", multigrid_from)
     monkeypatch.setattr(Solver, "MULTIGRID_BELOW", multigrid_below)
     whole, rest = tmp_path / "whole", tmp_path / "rest"
-    loop.simulate(case(time={"end": 0.08}, output={"interval": 0.02}), whole)
+    output = {"interval": 0.02, "checkpoint_interval": 0.02}
+    loop.simulate(case(time={"end": 0.08}, output=output), whole)
     shutil.copytree(whole, rest)
     (rest / "summary.json").unlink()  # as if the run had not come to its end
     saved = checkpoint.load(rest / "checkpoint.h5").state
