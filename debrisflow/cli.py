@@ -17,7 +17,7 @@ from debrisflow.errors import DebrisflowError, Interrupted
 
 INTERRUPTED = 130  # the exit code of a shell
 AS_JSON = "debrisflow.as_json"
-GOES_ON = "the run goes on with: debrisflow resume RUN"
+GOES_ON = "a run that has begun goes on with: debrisflow resume RUN"
 
 
 class Commands(click.Group):
@@ -38,11 +38,12 @@ class Commands(click.Group):
             ctx.exit(error.exit_code)
         except MemoryError as error:
             detail = f" ({error})" if str(error) else ""
-            click.echo(
+            message = (
                 f"the memory of this machine is used up{detail}; debrisflow check says what a case "
-                "needs",
-                err=True,
+                "needs"
             )
+            click.echo(message, err=True)
+            tell(error, DebrisflowError.exit_code, message)
             ctx.exit(DebrisflowError.exit_code)
         except KeyboardInterrupt as stop:
             goes_on = ctx.invoked_subcommand in ("run", "resume")

@@ -35,7 +35,7 @@ def replaced(path: Path, is_flushed: bool = True) -> Iterator[Path]:
     try:
         yield unfinished
         if is_flushed:
-            _flush(unfinished)
+            flush(unfinished)
         os.replace(unfinished, path)
     except OSError as error:
         raise refused(path, error) from error
@@ -65,7 +65,7 @@ def replaced_files(folder: Path) -> Iterator[Path]:
         yield unfinished
         files = sorted(unfinished.iterdir())
         for file in files:
-            _flush(file)
+            flush(file)
         for file in files:
             os.replace(file, folder / file.name)
     except OSError as error:
@@ -95,7 +95,7 @@ def made(folder: Path, is_deep: bool = False) -> Path:
     return folder
 
 
-def _flush(file: Path) -> None:
+def flush(file: Path) -> None:
     """Bring a file to the disk; else, after a loss of power, an empty one may have its new name."""
     descriptor = os.open(file, os.O_RDWR)
     try:

@@ -21,7 +21,7 @@ from debrisflow.particles.layers import Layers
 from debrisflow.particles.maxima import Maxima
 from debrisflow.particles.record import Particles
 from debrisflow.particles.state import State
-from debrisflow.run.atomic import replaced
+from debrisflow.run.atomic import flush, replaced
 from debrisflow.run.names import CHECKPOINT, CHECKPOINT_BEFORE
 
 LOG = logging.getLogger(__name__)
@@ -105,13 +105,15 @@ class Checkpoints:
                 LOG.warning("%s; the run goes on from %s, at t = %s", errors[0], path, time)
             return found
         if errors:
-            raise errors[0]
+            lines = [*map(str, errors), "to start the run again: debrisflow run CASE --overwrite"]
+            raise OutputError("\n".join(lines))
         return None
 
     def save(self, state: State, origin: Origin) -> None:
         """Write a state; the last checkpoint becomes the one before, which is dropped."""
         with replaced(self.last) as unfinished:
             _write(unfinished, state, origin)
+            flush(unfinished)  # there is one on the disk before another is dropped
             if self.last.exists() and self._is_last_sound:
                 os.replace(self.last, self.before)
         self._is_last_sound = True

@@ -210,10 +210,16 @@ class RunFolder:
         OutputError
             If it cannot be written.
         """
+        begun = any((path / name).exists() for name in (CHECKPOINT, CHECKPOINT_BEFORE))
+        results = (FRAMES, DEPOSIT, HISTORY)
+        missing = [name for name in results if begun and not (path / name).exists()]
         try:
-            return cls(path, case)
+            folder = cls(path, case)
         except OSError as error:
             raise refused(path, error) from error
+        for name in missing:
+            folder.log.warning("%s is missing: it begins anew at the checkpoint", path / name)
+        return folder
 
     def write_case(self) -> None:
         """Write the case with all its defaults."""

@@ -8,6 +8,7 @@ from time import perf_counter
 from types import TracebackType
 from typing import Self
 
+from debrisflow.errors import shown
 from debrisflow.run.events import WARNING, Event, Listener
 
 LOG = logging.getLogger("debrisflow")
@@ -47,7 +48,7 @@ class Listeners(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Tell a warning."""
-        self.tell(lambda: {"event": WARNING, "message": record.getMessage()})
+        self.tell(lambda: {"event": WARNING, "message": shown(record.getMessage())})
 
     def __enter__(self) -> Self:
         """Return the object itself."""

@@ -92,6 +92,7 @@ def simulate(
         with clock.of(START_UP):
             state = initial_state(case)
             probes = samplers(case, state)  # refuses a misplaced probe before a folder is touched
+        must_be_own(folder)
         with Listeners([StatusFile(folder), on_event or Bar()]) as listeners:
             expect_space(case, folder, state.particles.fluid_count)
             with (
@@ -175,7 +176,7 @@ def resume(
                 results.write_case()
             with Progress(case, state, clock, listeners) as shown:
                 if kept is None:
-                    LOG.info("there is no checkpoint: the run begins anew")
+                    LOG.warning("there is no checkpoint: the run begins anew")
                     results.rewind(-math.inf)
                     return _begin(case, results, state, probes, shown, signals, threads)
                 with clock.of(START_UP):
@@ -294,9 +295,12 @@ class _Run:
 
     def start(self) -> None:
         """Write what there is before the first step."""
-        self._record(0.0)
-        self.write(iterations=0)
-        self.sample(before=-math.inf)
+        try:
+            self._record(0.0)
+            self.write(iterations=0)
+            self.sample(before=-math.inf)
+        except DivergedError as error:
+            raise self._failed(error) from error
 
     def finish(self) -> dict[str, Any]:
         """Run to the end of the simulated time and return the summary."""

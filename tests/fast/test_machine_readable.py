@@ -187,7 +187,7 @@ def test_each_end_has_its_exit_code(tank, monkeypatch, error, code, as_json):
     else:
         assert result.stdout == ""
     if code > 4:
-        assert "the run goes on with: debrisflow resume" in result.stderr
+        assert "goes on with: debrisflow resume" in result.stderr
 
 
 def test_every_error_has_an_exit_code_that_is_documented():

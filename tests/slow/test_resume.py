@@ -168,7 +168,9 @@ def test_a_signal_stops_a_run_where_it_can_be_resumed(tmp_path, number, code):
         process.send_signal(number)
         _, errors = process.communicate(timeout=60)
     assert process.returncode == code, errors
-    assert errors.decode().endswith("interrupted; the run goes on with: debrisflow resume RUN\n")
+    assert errors.decode().endswith(
+        "interrupted; a run that has begun goes on with: debrisflow resume RUN\n"
+    )
     assert checkpoint.load(run / CHECKPOINT).state.step % 40 == 0
 
 
@@ -187,3 +189,22 @@ def test_the_second_signal_stops_at_once(tmp_path):
     assert not is_locked(run)
     if (run / CHECKPOINT).exists():
         checkpoint.load(run / CHECKPOINT)
+
+
+def test_a_link_out_of_a_folder_is_refused_before_anything_is_removed(tmp_path, whole):
+    run, away = tmp_path / "run", tmp_path / "away"
+    shutil.copytree(whole, run)
+    (run / "vtu").rename(away)
+    (run / "vtu").symlink_to(away)
+    with pytest.raises(OutputError, match="is a link out of the folder of its run"):
+        loop.simulate(bed(), run, overwrite=True)
+    assert list(away.iterdir())
+
+
+def test_a_table_that_is_missing_is_told(tmp_path, whole):
+    run = tmp_path / "run"
+    shutil.copytree(whole, run)
+    for name in ("summary.json", "history.csv"):
+        (run / name).unlink()
+    loop.resume(run)
+    assert "history.csv is missing: it begins anew" in (run / "run.log").read_text()
