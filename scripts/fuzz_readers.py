@@ -31,6 +31,7 @@ import click
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
+# after the folder of the tests is on the path, since they are no package that is installed
 from debrisflow.errors import DebrisflowError  # noqa: E402
 from tests.hostile.mutations import mutated  # noqa: E402
 from tests.hostile.reading import files_read, kind_of, read_all, read_checkpoint  # noqa: E402
@@ -66,7 +67,7 @@ def outcome(folder: Path, file: Path, draws: bool) -> tuple[str, str]:
         return ("refused", "") if str(error) and error.exit_code in (2, 3) else ("traceback", "1")
     except HangError:
         return "hang", traceback.format_exc()
-    except Exception:
+    except Exception:  # whatever comes is what a user would have seen as a traceback
         return "traceback", traceback.format_exc()
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)

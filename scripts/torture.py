@@ -98,6 +98,14 @@ class Process:
         """Return the names of files that are being written, without those left by earlier kills."""
         return {name for name, _ in unfinished(self.folder) - self.before}
 
+    def is_saving(self) -> bool:
+        """Return whether a checkpoint is being written."""
+        return CHECKPOINT + UNFINISHED in self.new_unfinished()
+
+    def is_writing_others(self) -> bool:
+        """Return whether another file is being written."""
+        return bool(self.new_unfinished() - {CHECKPOINT + UNFINISHED})
+
     def wait_for(self, condition: Callable[[], bool], longest: float = PATIENCE) -> bool:
         """Return whether a condition came about before the process ended."""
         end = monotonic() + longest
@@ -327,12 +335,10 @@ class Torture:
             return process.wait_for(lambda: self.is_at_end(process.folder))
         process.wait_for(lambda: False, chance * 1.2)
         if aim == IN_CHECKPOINT:
-            wanted = lambda: CHECKPOINT + UNFINISHED in process.new_unfinished()  # noqa: E731
-            process.wait_for(wanted)
+            process.wait_for(process.is_saving)
             process.wait_for(lambda: False, self.random.choice((0.0, 0.001, 0.003, 0.006)))
         if aim == IN_WRITING:
-            others = lambda: process.new_unfinished() - {CHECKPOINT + UNFINISHED}  # noqa: E731
-            process.wait_for(lambda: bool(others()))
+            process.wait_for(process.is_writing_others)
         return not process.has_ended
 
     def is_at_end(self, folder: Path) -> bool:
@@ -344,12 +350,11 @@ class Torture:
         """Return the phase in which a process was killed, by what it has left."""
         if not process.has_started():
             return START_UP
-        new = process.new_unfinished()
-        if CHECKPOINT + UNFINISHED in new:
+        if process.is_saving():
             return IN_CHECKPOINT
         if self.is_at_end(process.folder):
             return AT_END
-        return IN_WRITING if new else STEPPING
+        return IN_WRITING if process.is_writing_others() else STEPPING
 
     def damage(self, folder: Path) -> None:
         """Change bytes of the last checkpoint after some kills, or cut it off."""
