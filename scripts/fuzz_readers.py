@@ -28,13 +28,11 @@ from typing import NoReturn
 
 import click
 
-ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
-# after the folder of the tests is on the path, since they are no package that is installed
-from debrisflow.errors import DebrisflowError  # noqa: E402
-from tests.hostile.mutations import mutated  # noqa: E402
-from tests.hostile.reading import files_read, kind_of, read_all, read_checkpoint  # noqa: E402
+from debrisflow.errors import DebrisflowError
+from tests.hostile.mutations import mutated
+from tests.hostile.reading import files_read, kind_of, read_all, read_checkpoint
 
 HANG = 10.0  # s of processor time, since the machine may be busy
 WAITING = 60  # s that it may take at all

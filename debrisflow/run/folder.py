@@ -110,7 +110,8 @@ DERIVED = (
 class _LogFile(logging.FileHandler):
     """The log of a run; a message that cannot be written, as on a full disk, ends no run."""
 
-    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802: a name of logging
+    # a name that logging calls
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
         """Drop a message; that the disk is full is told by the results."""
 
     def close(self) -> None:
