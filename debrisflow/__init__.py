@@ -23,7 +23,7 @@ _WHERE = {
     "build_case": "debrisflow.case",
     "load_case": "debrisflow.case",
     "open_run": "debrisflow.results",
-    "simulate": "debrisflow.run.loop",
+    "simulate": "debrisflow.run.simulation",
 }
 
 try:

@@ -91,7 +91,7 @@ def run(
 
     checked = load_case(case, overrides)  # before the import of the solver, which takes a second
 
-    from debrisflow.run.loop import simulate
+    from debrisflow.run.simulation import simulate
 
     folder = output or Path("runs") / case.stem
     with logging_from(log_level):
@@ -128,7 +128,7 @@ def resume(
     told = listener(as_json, quiet)
 
     from debrisflow.run.folder import read_summary
-    from debrisflow.run.loop import resume
+    from debrisflow.run.simulation import resume
 
     with logging_from(log_level):
         summary = resume(folder, threads, until, accept_changes, on_event=told)

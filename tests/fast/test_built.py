@@ -16,7 +16,7 @@ from debrisflow.cli import main
 from debrisflow.errors import CaseError
 from debrisflow.particles.seeding import seed
 from debrisflow.particles.start import initial_state
-from debrisflow.run.loop import simulate
+from debrisflow.run.simulation import simulate
 from debrisflow.space.carving import filled, fitted
 from debrisflow.space.volumes import differences
 from debrisflow.space.walls import wall_points

@@ -62,7 +62,7 @@ class TestCommandLine:
     ) -> None:
         figures = {"end_reason": "end", "time": 1.0, "steps": 2, "wall_seconds": 1.0}
         figures |= {"compile_seconds": 0.0, "through_wall": {}, "bounced_share": share}
-        monkeypatch.setattr("debrisflow.run.loop.simulate", lambda *_, **__: figures)
+        monkeypatch.setattr("debrisflow.run.simulation.simulate", lambda *_, **__: figures)
 
         result = CliRunner().invoke(main, ["run", str(tank)])
 

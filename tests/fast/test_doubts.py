@@ -7,7 +7,7 @@ import pytest
 from debrisflow.case import load_case
 from debrisflow.case.doubts import doubts
 from debrisflow.run.forecast import forecast
-from debrisflow.run.loop import simulate
+from debrisflow.run.simulation import simulate
 from tests.building import tank_case
 
 CASES = sorted((Path(__file__).parents[2] / "cases").glob("*.toml"))

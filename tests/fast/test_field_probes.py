@@ -12,7 +12,7 @@ from debrisflow.results.plots.fields import grid_figure
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.probe_curves import probe_curve
 from debrisflow.results.survey import survey
-from debrisflow.run import loop
+from debrisflow.run import simulation
 from debrisflow.run.folder import DERIVED, RunFolder
 from debrisflow.run.probes import samplers
 from tests.building import bed_case, started, tank3d_case, tank_case
@@ -86,7 +86,7 @@ def test_a_line_through_the_end_of_a_period_sees_what_is_beyond_it():
 def whole(tmp_path_factory):
     """Return the folder of a whole run with a line and a grid."""
     folder = tmp_path_factory.mktemp("fields") / "whole"
-    loop.simulate(probed(), folder, threads=1)
+    simulation.simulate(probed(), folder, threads=1)
     return folder
 
 
@@ -118,9 +118,9 @@ def test_a_grid_is_read_by_time_x_and_y_as_paraview_shows_it(whole):
 def test_an_interrupted_run_writes_the_same_files(whole, tmp_path, interrupt):
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        loop.simulate(probed(), tmp_path / "broken", threads=1)
+        simulation.simulate(probed(), tmp_path / "broken", threads=1)
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
-    loop.resume(tmp_path / "rest", threads=1)
+    simulation.resume(tmp_path / "rest", threads=1)
     files = [f.relative_to(whole) for f in (whole / "probes").rglob("*") if f.is_file()]
     assert len(files) == 1 + 1 + 4
     for file in files:

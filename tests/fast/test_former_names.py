@@ -12,7 +12,7 @@ from debrisflow.case import case_schema, dump_case
 from debrisflow.case.doubts import doubts
 from debrisflow.cli import main
 from debrisflow.errors import CaseError
-from debrisflow.run.loop import resume
+from debrisflow.run.simulation import resume
 
 PRESENT = """
 title = "a case of words"

@@ -175,7 +175,7 @@ def test_each_end_has_its_exit_code(tank, monkeypatch, error, code, as_json):
     def fail(*_: object, **__: object) -> None:
         raise error
 
-    monkeypatch.setattr("debrisflow.run.loop.simulate", fail)
+    monkeypatch.setattr("debrisflow.run.simulation.simulate", fail)
     result = ran(tank, *(["--json"] if as_json else []))
 
     assert result.exit_code == code

@@ -17,7 +17,7 @@ from debrisflow.particles.start import initial_state
 from debrisflow.results import open_run
 from debrisflow.results.answers import answers
 from debrisflow.results.survey import survey
-from debrisflow.run import loop
+from debrisflow.run import simulation
 from debrisflow.run.folder import RunFolder
 from debrisflow.run.probes import sampler_of, samplers
 from debrisflow.run.vtu import FOLDER
@@ -50,12 +50,12 @@ def rows_of(folder, name):
 def whole(tmp_path_factory):
     """Return the folder of a whole run with probes."""
     folder = tmp_path_factory.mktemp("probed") / "whole"
-    loop.simulate(probed(), folder, threads=1)
+    simulation.simulate(probed(), folder, threads=1)
     return folder
 
 
 def test_probes_leave_the_solution_as_it_is(whole, tmp_path):
-    loop.simulate(probed(()), tmp_path / "plain", threads=1)
+    simulation.simulate(probed(()), tmp_path / "plain", threads=1)
     assert not (tmp_path / "plain" / "probes").exists()
     for file in (tmp_path / "plain" / FOLDER).iterdir():
         assert file.read_bytes() == (whole / FOLDER / file.name).read_bytes()
@@ -97,11 +97,11 @@ def test_the_arrival_at_a_section_is_the_first_sample_after_it(whole):
 def test_an_interrupted_run_writes_the_same_rows(whole, tmp_path, interrupt):
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        loop.simulate(probed(), tmp_path / "broken", threads=1)
+        simulation.simulate(probed(), tmp_path / "broken", threads=1)
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
     with (tmp_path / "rest/probes/level.csv").open("a") as file:
         file.write("0.149,7,7\n")  # written after the checkpoint
-    loop.resume(tmp_path / "rest", threads=1)
+    simulation.resume(tmp_path / "rest", threads=1)
     for probe in PROBES:
         name = f"probes/{probe['name']}.csv"
         assert (tmp_path / "rest" / name).read_bytes() == (whole / name).read_bytes()
@@ -156,7 +156,7 @@ def test_a_probe_on_a_hidden_wall_is_told_before_results_are_replaced(whole, tmp
     probe = {"name": "p", "type": "pressure", "interval": 0.1, "wall": "floor"}
     case = tank3d_case(z=(0.2, 0.5), obstacle=[lid], probe=[probe | {"x": 0.4, "y": 0.3, "z": 0.0}])
     with pytest.raises(CaseError, match="nothing of floor is open"):
-        loop.simulate(case, folder, threads=1, overwrite=True)
+        simulation.simulate(case, folder, threads=1, overwrite=True)
     assert (folder / "summary.json").is_file()
 
 

@@ -11,7 +11,7 @@ from debrisflow.case.defaults import complete
 from debrisflow.case.rasters import read_raster
 from debrisflow.particles.start import initial_state
 from debrisflow.results import open_run
-from debrisflow.run import loop
+from debrisflow.run import simulation
 from debrisflow.run.stop import StopRule, last_schedule
 from debrisflow.run.tables import read_table
 from tests.building import tank_case
@@ -82,7 +82,7 @@ def test_rest_is_not_before_supply_and_motions_have_ended():
 @pytest.fixture(scope="module")
 def rested(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rest") / "run"
-    return folder, loop.simulate(pushed(stop_energy=0.05), folder)
+    return folder, simulation.simulate(pushed(stop_energy=0.05), folder)
 
 
 def test_a_run_ends_at_rest_and_says_so(rested):
@@ -102,7 +102,7 @@ def test_a_run_ends_at_rest_and_says_so(rested):
 def test_resuming_it_changes_nothing_while_the_rule_is_the_same(rested):
     folder, _ = rested
     before = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
-    assert loop.resume(folder) is None
+    assert simulation.resume(folder) is None
     assert {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()} == before
 
 
@@ -111,10 +111,10 @@ def test_with_a_lower_share_it_goes_on(rested, tmp_path):
     shutil.copytree(rested[0], folder)
     case = folder / "case.toml"
     case.write_text(case.read_text().replace("stop_energy = 0.05", "stop_energy = 1e-9"))
-    longer = loop.resume(folder)
+    longer = simulation.resume(folder)
     assert longer["time"] > figures["time"]
     assert json.loads((folder / "summary.json").read_text())["energy_share"] < 0.05
-    whole = loop.simulate(pushed(stop_energy=1e-9), tmp_path / "whole")
+    whole = simulation.simulate(pushed(stop_energy=1e-9), tmp_path / "whole")
     assert longer["time"] == whole["time"]
     # the frame and the deposit of the first end, off their schedules, are gone
     for name in ("history.csv", "deposit.csv", "particles.pvd"):
@@ -132,7 +132,7 @@ def test_on_a_terrain_the_last_depth_is_kept_too(tmp_path):
     case = sloping_case(
         tmp_path, walls=friction, output=output, time={"end": 10.0, "stop_energy": 0.5}
     )
-    figures = loop.simulate(case, tmp_path / "run")
+    figures = simulation.simulate(case, tmp_path / "run")
     assert figures["end_reason"] == "at rest"
     times = read_table(tmp_path / "run" / "layers" / "depth.csv")["time"]
     assert times.tolist() == [0.0, figures["time"]]

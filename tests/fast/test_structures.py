@@ -10,7 +10,7 @@ import pytest
 from debrisflow.case import dump_case, load_case
 from debrisflow.neighbors.half_space import PULLED_BACK
 from debrisflow.results.reader import Run
-from debrisflow.run.loop import simulate
+from debrisflow.run.simulation import simulate
 from debrisflow.schemes.surfaces import elements_from
 from debrisflow.space import mesh_pieces
 from debrisflow.space.domain import WALL_NAMES

@@ -11,7 +11,7 @@ from debrisflow.particles.record import Kind
 from debrisflow.particles.seeding import seed
 from debrisflow.physics import study_form
 from debrisflow.physics.kinetic_theory import Grains, bulk_viscosity
-from debrisflow.run.loop import simulate
+from debrisflow.run.simulation import simulate
 from debrisflow.schemes.study_explicit import StudyExplicit
 from tests.building import (
     advance,

@@ -31,8 +31,8 @@ from debrisflow.results.survey import survey
 from debrisflow.run import checkpoint
 from debrisflow.run.checkpoint import Origin
 from debrisflow.run.folder import RunFolder
-from debrisflow.run.loop import resume
 from debrisflow.run.reading import xml_of
+from debrisflow.run.simulation import resume
 from debrisflow.run.sound_state import must_be_sound
 from debrisflow.run.vtu import read_collection
 from tests.hostile.mutations import DOCTYPES, mutated

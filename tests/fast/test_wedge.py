@@ -8,7 +8,7 @@ import pytest
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.results import open_run
-from debrisflow.run.loop import simulate
+from debrisflow.run.simulation import simulate
 from debrisflow.schemes.surfaces import walls_of
 
 D0, TOE, SLOPE = 0.05, 1.5, 2.0 / 15.0

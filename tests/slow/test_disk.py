@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from debrisflow.case import dump_case
+from debrisflow.case import dump_case, load_case
 from debrisflow.cli import main
 from debrisflow.errors import OutputError
-from debrisflow.run import disk, loop
+from debrisflow.run import disk, loop, simulation
 from debrisflow.run.tables import Series
 from tests.building import bed_case
 from tests.slow.test_resume import results
@@ -44,20 +44,20 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 def gone_at(step: int, change: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> None:
     """Change the disk after a step of a run."""
-    advance = loop._Run._advance
+    advance = loop.Run._advance
 
-    def changing(run: loop._Run, due: float) -> int:
+    def changing(run: loop.Run, due: float) -> int:
         iterations = advance(run, due)
         if run.state.step == step:
             change()
         return iterations
 
-    monkeypatch.setattr(loop._Run, "_advance", changing)
+    monkeypatch.setattr(loop.Run, "_advance", changing)
 
 
 def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_space(tmp_path, small_disk):
     case, run, whole = case_of(tmp_path), small_disk / "run", tmp_path / "whole"
-    loop.simulate(loop.load_case(case), whole)
+    simulation.simulate(load_case(case), whole)
     answer = CliRunner().invoke(main, ["run", str(case), "-o", str(run)])
     assert answer.exit_code == 3, answer.output
     assert "no space is left on the disk" in answer.stderr
@@ -110,7 +110,7 @@ def test_a_run_that_the_disk_cannot_hold_is_refused_before_it_begins(
 
 
 def test_the_need_of_disk_is_near_what_a_run_writes(tmp_path):
-    case = loop.load_case(case_of(tmp_path, 0.002))
-    loop.simulate(case, tmp_path / "run")
+    case = load_case(case_of(tmp_path, 0.002))
+    simulation.simulate(case, tmp_path / "run")
     written = sum(file.stat().st_size for file in (tmp_path / "run").rglob("*") if file.is_file())
     assert 0.5 < written / disk.needed(case, 190.0) < 1.2

@@ -12,7 +12,7 @@ from debrisflow._jit import set_threads
 from debrisflow.case.defaults import LARGEST_PATH
 from debrisflow.errors import DivergedError
 from debrisflow.neighbors.lists import FixedNeighbors
-from debrisflow.run import checkpoint, loop
+from debrisflow.run import checkpoint, simulation
 from debrisflow.run.measures import elastic_energy, energies
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.schemes.terms.density import Density
@@ -186,13 +186,13 @@ def probed_dam_break():
 
 def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(tmp_path, ends):
     whole, rest = tmp_path / "whole", tmp_path / "rest"
-    loop.simulate(probed_dam_break(), whole, threads=1)
+    simulation.simulate(probed_dam_break(), whole, threads=1)
     shutil.copytree(whole, rest)
     (rest / "summary.json").unlink()  # as if the run had not come to its end
     saved = checkpoint.load(rest / "checkpoint.h5").state
     assert 0 < saved.step < ends[0].step  # the last checkpoint is one of the middle
     assert any(np.any(saved.sums[name] != ends[0].sums[name]) for name in saved.sums)
-    loop.resume(rest, threads=1)
+    simulation.resume(rest, threads=1)
     assert identical(*ends)
     outputs = {f.relative_to(whole) for f in whole.rglob("*") if f.suffix in (".vtu", ".csv")}
     names = {file.name for file in outputs}
@@ -282,7 +282,7 @@ def test_a_run_that_diverges_says_where_and_keeps_its_last_checkpoint(tmp_path, 
     with pytest.raises(
         DivergedError, match=r"(?s)at t = .* s, step 9, particle \d+ at .*checkpoint"
     ):
-        loop.simulate(still_tank(), tmp_path / "run", threads=1)
+        simulation.simulate(still_tank(), tmp_path / "run", threads=1)
     kept = checkpoint.load(tmp_path / "run" / "checkpoint.h5").state
     assert kept.step == 0  # the state that failed replaces none
     assert np.all(np.isfinite(kept.particles.position))

@@ -8,7 +8,7 @@ import pytest
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
 from debrisflow.errors import DivergedError, NotConvergedError
-from debrisflow.run import loop
+from debrisflow.run import simulation
 from debrisflow.schemes.explicit import Explicit
 from tests.building import advance, momentum_of, started, tank3d_case
 from tests.fast.test_checkpoint import identical
@@ -224,12 +224,12 @@ def test_a_resumed_run_with_a_strength_law_repeats_the_bits(tmp_path, ends, inte
         time={"end": 0.05},
         output={"interval": 0.025},
     )
-    loop.simulate(case, tmp_path / "whole", threads=1)
+    simulation.simulate(case, tmp_path / "whole", threads=1)
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        loop.simulate(case, tmp_path / "broken", threads=1)
+        simulation.simulate(case, tmp_path / "broken", threads=1)
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
-    loop.resume(tmp_path / "rest", threads=1)
+    simulation.resume(tmp_path / "rest", threads=1)
     assert ends[0].step > 2 * Explicit.REFRESH
     assert identical(ends[0], ends[-1])
 

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from debrisflow.cli import main
 from debrisflow.errors import CaseError, OutputError
-from debrisflow.run import checkpoint, loop
+from debrisflow.run import checkpoint, loop, simulation
 from debrisflow.run.lock import is_locked, locked
 from debrisflow.run.names import CHECKPOINT, CHECKPOINT_BEFORE, LOCK, STATUS
 from tests.building import bed_case, tank_case
@@ -38,14 +38,14 @@ def broken_off(case, folder: Path, interrupt) -> None:
     """Run a case to its interruption."""
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        loop.simulate(case, folder)
+        simulation.simulate(case, folder)
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory) -> Path:
     """Return the folder of a run without interruption."""
     folder = tmp_path_factory.mktemp("whole")
-    loop.simulate(bed(), folder)
+    simulation.simulate(bed(), folder)
     return folder
 
 
@@ -54,7 +54,7 @@ def test_without_a_checkpoint_a_run_begins_anew(tmp_path, whole):
     shutil.copytree(whole, run)
     for name in (CHECKPOINT, CHECKPOINT_BEFORE, "summary.json", "maxima.csv", "deposit.csv"):
         (run / name).unlink(missing_ok=True)
-    loop.resume(run)
+    simulation.resume(run)
     assert results(run) == results(whole)
     assert "begins anew" in (run / "run.log").read_text()
 
@@ -68,7 +68,7 @@ def test_a_run_that_was_stopped_before_its_case_was_written_is_started_again(tmp
     run.mkdir()
     (run / "run.log").touch()
     (run / "case.toml.unfinished").write_text("tit")
-    loop.simulate(case, run)  # without --overwrite
+    simulation.simulate(case, run)  # without --overwrite
     assert (run / "summary.json").is_file()
 
 
@@ -79,20 +79,20 @@ def test_a_damaged_checkpoint_gives_way_to_the_one_before(tmp_path, whole):
     data = bytearray((run / CHECKPOINT).read_bytes())
     data[len(data) // 2] ^= 1
     (run / CHECKPOINT).write_bytes(data)
-    loop.resume(run)
+    simulation.resume(run)
     assert results(run) == results(whole)
     assert "checkpoint_before.h5" in (run / "run.log").read_text()
 
 
 def test_a_later_end_gives_what_a_longer_run_gives(tmp_path, whole):
     short = tmp_path / "short"
-    loop.simulate(bed(end=0.1), short)
+    simulation.simulate(bed(end=0.1), short)
     last = checkpoint.load(short / CHECKPOINT).state.time
     assert last > 0.0
-    assert loop.resume(short, until=0.05) is None
+    assert simulation.resume(short, until=0.05) is None
     (short / "summary.json").unlink()
     with pytest.raises(CaseError, match="is before the last checkpoint"):
-        loop.resume(short, until=0.5 * last)
+        simulation.resume(short, until=0.5 * last)
     answer = CliRunner().invoke(main, ["resume", str(short), "--until", "0.15"])
     assert answer.exit_code == 0, answer.output
     assert results(short) == results(whole)
@@ -106,10 +106,10 @@ def test_an_edited_case_is_refused_unless_it_is_accepted(tmp_path, interrupt, ol
     (run / "case.toml").write_text(text.replace(old, old + "2"))
     before = results(run)
     if old.startswith("end"):  # says nothing of what has been computed
-        loop.resume(run)
+        simulation.resume(run)
         return
     with pytest.raises(OutputError, match=r"(?s)changes:\n  particles.seed: 1, now 12\n.*accept"):
-        loop.resume(run)
+        simulation.resume(run)
     assert results(run) == before
     answer = CliRunner().invoke(main, ["resume", str(run), "--accept-changes"])
     assert answer.exit_code == 0, answer.output
@@ -121,7 +121,7 @@ def test_another_version_of_the_program_is_refused(tmp_path, interrupt, monkeypa
     broken_off(bed(), run, interrupt)
     monkeypatch.setattr(loop, "KERNELS", "0123456789abcdef")
     with pytest.raises(OutputError, match=r"the program: debrisflow .*, now .* 0123456789abcdef"):
-        loop.resume(run)
+        simulation.resume(run)
 
 
 def test_a_second_process_is_refused(tmp_path):
@@ -130,10 +130,10 @@ def test_a_second_process_is_refused(tmp_path):
     with locked(run):
         assert is_locked(run)
         with pytest.raises(OutputError, match="another process is writing"):
-            loop.simulate(case, run)
+            simulation.simulate(case, run)
     assert not is_locked(run)
     (run / LOCK).touch()  # left by a crash
-    loop.simulate(case, run)
+    simulation.simulate(case, run)
     assert not (run / LOCK).exists()
 
 
@@ -197,7 +197,7 @@ def test_a_link_out_of_a_folder_is_refused_before_anything_is_removed(tmp_path, 
     (run / "vtu").rename(away)
     (run / "vtu").symlink_to(away)
     with pytest.raises(OutputError, match="is a link out of the folder of its run"):
-        loop.simulate(bed(), run, overwrite=True)
+        simulation.simulate(bed(), run, overwrite=True)
     assert list(away.iterdir())
 
 
@@ -206,5 +206,5 @@ def test_a_table_that_is_missing_is_told(tmp_path, whole):
     shutil.copytree(whole, run)
     for name in ("summary.json", "history.csv"):
         (run / name).unlink()
-    loop.resume(run)
+    simulation.resume(run)
     assert "history.csv is missing: it begins anew" in (run / "run.log").read_text()

@@ -15,7 +15,7 @@ from debrisflow.cli import main
 from debrisflow.errors import DivergedError
 from debrisflow.particles.record import Kind
 from debrisflow.particles.start import initial_state
-from debrisflow.run import checkpoint, loop
+from debrisflow.run import checkpoint, loop, simulation
 from debrisflow.run.measures import energies
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from debrisflow.schemes.terms.term import Term
@@ -78,22 +78,22 @@ def test_a_time_step_that_collapses_ends_the_run(tmp_path, monkeypatch):
     with pytest.raises(
         DivergedError, match=r"(?s)the time step has fallen to 1e-12 s.*checkpoint.h5"
     ):
-        loop.simulate(case, tmp_path / "run")
+        simulation.simulate(case, tmp_path / "run")
     assert checkpoint.load(tmp_path / "run" / "checkpoint.h5").state.step == 0
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit(tmp_path, ends, interrupt):
     case = bed_case(time={"end": 0.15}, output={"interval": 0.05})
-    loop.simulate(case, tmp_path / "whole")
+    simulation.simulate(case, tmp_path / "whole")
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        loop.simulate(case, tmp_path / "broken")
+        simulation.simulate(case, tmp_path / "broken")
     stopped = checkpoint.load(tmp_path / "broken" / "checkpoint.h5").state
     assert stopped.step == SemiImplicit.REFRESH
     summary = json.loads((tmp_path / "broken" / "summary.json").read_text())
     assert summary["end_reason"] == "interrupted"
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
-    loop.resume(tmp_path / "rest")
+    simulation.resume(tmp_path / "rest")
     assert identical(ends[0], ends[-1])
     whole, rest = (tmp_path / run / "maxima.csv" for run in ("whole", "rest"))
     assert whole.read_bytes() == rest.read_bytes()
@@ -106,8 +106,8 @@ def test_a_run_takes_more_threads_as_particles_come_in_and_keeps_its_bits(tmp_pa
     monkeypatch.setattr(loop, "cores", lambda: 2)
     monkeypatch.setattr(loop, "FEWEST_PARTICLES_A_THREAD", (at_start + 6) // 2)
     try:
-        grown = loop.simulate(case, tmp_path / "grown")
-        alone = loop.simulate(case, tmp_path / "alone", threads=1)
+        grown = simulation.simulate(case, tmp_path / "grown")
+        alone = simulation.simulate(case, tmp_path / "alone", threads=1)
     finally:
         set_threads(1)
     assert (grown["threads"], alone["threads"]) == (2, 1)
@@ -117,15 +117,17 @@ def test_a_run_takes_more_threads_as_particles_come_in_and_keeps_its_bits(tmp_pa
 
 def test_a_run_that_has_come_to_its_end_is_not_changed_by_resuming_it(tmp_path):
     run = tmp_path / "run"
-    loop.simulate(tank_case(6, 6, "water", time={"end": 0.02}, output={"interval": 0.01}), run)
+    simulation.simulate(
+        tank_case(6, 6, "water", time={"end": 0.02}, output={"interval": 0.01}), run
+    )
     before = {file: file.read_bytes() for file in run.rglob("*") if file.is_file()}
     result = CliRunner().invoke(main, ["resume", str(run)])
     assert result.exit_code == 0, result.output
     assert "has come to its end" in result.output
     assert {file: file.read_bytes() for file in run.rglob("*") if file.is_file()} == before
-    case = run / "case.toml"
-    case.write_text(case.read_text().replace("end = 0.02", "end = 0.03"))
-    assert loop.resume(run)["time"] == pytest.approx(0.03)
+    file = run / "case.toml"
+    file.write_text(file.read_text().replace("end = 0.02", "end = 0.03"))
+    assert simulation.resume(run)["time"] == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize("temperature", ["algebraic", "neighborhood"])

@@ -19,7 +19,7 @@ from debrisflow.particles.record import Particles
 from debrisflow.physics.contact import collide
 from debrisflow.physics.drag import drag_coefficient
 from debrisflow.physics.viscosity import viscous_acceleration
-from debrisflow.run import checkpoint, loop
+from debrisflow.run import checkpoint, simulation
 from debrisflow.schemes.linear import Solver
 from debrisflow.schemes.terms.collision_stress import PhaseCollisions
 from debrisflow.schemes.terms.gravity import Gravity
@@ -313,12 +313,12 @@ def test_a_resumed_run_repeats_the_bits_of_an_uninterrupted_one(
     monkeypatch.setattr(Solver, "MULTIGRID_BELOW", multigrid_below)
     whole, rest = tmp_path / "whole", tmp_path / "rest"
     output = {"interval": 0.02, "checkpoint_interval": 0.02}
-    loop.simulate(case(time={"end": 0.08}, output=output), whole)
+    simulation.simulate(case(time={"end": 0.08}, output=output), whole)
     shutil.copytree(whole, rest)
     (rest / "summary.json").unlink()  # as if the run had not come to its end
     saved = checkpoint.load(rest / "checkpoint.h5").state
     assert 0 < saved.step < ends[0].step  # the last checkpoint is one of the middle
-    loop.resume(rest)
+    simulation.resume(rest)
     assert identical(*ends)
     assert sum(exchanges) > 0 or case is not settling_case
     outputs = [

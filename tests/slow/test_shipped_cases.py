@@ -13,8 +13,8 @@ from debrisflow.case import case_schema, load_case
 from debrisflow.results import open_run
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.survey import survey_of
-from debrisflow.run.loop import simulate
 from debrisflow.run.names import CASE, DEPOSIT, HISTORY, MAXIMA, SUMMARY
+from debrisflow.run.simulation import simulate
 
 CASES = Path(__file__).parents[2] / "cases"
 NAMES = sorted(path.stem for path in CASES.glob("*.toml"))

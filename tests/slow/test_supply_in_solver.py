@@ -7,7 +7,7 @@ import pytest
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from debrisflow.run import loop
+from debrisflow.run import simulation
 from debrisflow.schemes.explicit import Explicit
 from tests.fast.test_checkpoint import identical
 
@@ -44,7 +44,7 @@ def flume(end):
 
 
 def test_what_a_run_supplies_is_the_integral_of_the_hydrograph(tmp_path, ends):
-    summary = loop.simulate(flume(0.2), tmp_path / "run", threads=1)
+    summary = simulation.simulate(flume(0.2), tmp_path / "run", threads=1)
     (state,) = ends
     time = np.linspace(0.0, 0.2, 100_001)
     discharge, concentration = (
@@ -77,12 +77,12 @@ def test_what_a_run_supplies_is_the_integral_of_the_hydrograph(tmp_path, ends):
 
 def test_a_run_with_a_supply_goes_on_bit_for_bit(tmp_path, ends, interrupt):
     case = flume(0.1)
-    loop.simulate(case, tmp_path / "whole", threads=1)
+    simulation.simulate(case, tmp_path / "whole", threads=1)
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        loop.simulate(case, tmp_path / "broken", threads=1)
+        simulation.simulate(case, tmp_path / "broken", threads=1)
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
-    loop.resume(tmp_path / "rest", threads=1)
+    simulation.resume(tmp_path / "rest", threads=1)
     assert ends[0].step > Explicit.REFRESH
     assert identical(ends[0], ends[-1])
     for name in ("s", "f", "v"):

@@ -21,7 +21,7 @@ from debrisflow.particles.state import State
 from debrisflow.results import open_run
 from debrisflow.results.answers import answers
 from debrisflow.results.terrain_survey import survey_terrain
-from debrisflow.run import loop
+from debrisflow.run import simulation
 from debrisflow.run.tables import read_table
 from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.explicit import Explicit
@@ -94,7 +94,7 @@ def test_faults_on_a_terrain_are_told_in_map_coordinates(
 
     monkeypatch.setattr(Explicit, "step", step_and_spoil)
     with pytest.raises(DivergedError, match=r"ledger .*: 1 are missing; 0 at the start") as found:
-        loop.simulate(build(end=1.0), tmp_path / "run", threads=1)
+        simulation.simulate(build(end=1.0), tmp_path / "run", threads=1)
     assert re.search(r"at easting 4000\d\d\.\d\d, northing 39000\d\d\.", str(found.value))
     told = (tmp_path / "run" / "run.log").read_text()
     assert re.search(r"particle \d+ went through the ground at easting 4000\d\d\.", told)
@@ -104,13 +104,13 @@ def test_an_interrupted_run_on_a_terrain_goes_on_bit_for_bit(
     build: Build, tmp_path: Path, interrupt: Callable[[], None]
 ) -> None:
     case = build()
-    loop.simulate(case, tmp_path / "whole", threads=1)
+    simulation.simulate(case, tmp_path / "whole", threads=1)
     interrupt()
     with pytest.raises(KeyboardInterrupt):
-        loop.simulate(case, tmp_path / "broken", threads=1)
+        simulation.simulate(case, tmp_path / "broken", threads=1)
     shutil.copytree(tmp_path / "broken", tmp_path / "rest")
     try:
-        loop.resume(tmp_path / "rest", threads=2)
+        simulation.resume(tmp_path / "rest", threads=2)
     finally:
         set_threads(1)
     whole, rest = results(tmp_path / "whole"), results(tmp_path / "rest")
@@ -124,7 +124,7 @@ def test_what_passes_an_edge_or_a_gap_has_left(build: Build, tmp_path: Path) -> 
     to_gap = mass | {"corners": square(52.0, 24.0, 8.0)}
     to_edge = mass | {"corners": square(30.0, 8.0, 8.0), "velocity": [0.0, -9.0]}
     case = build(to_gap, to_edge, end=1.5)
-    figures = loop.simulate(case, tmp_path / "run", threads=1)
+    figures = simulation.simulate(case, tmp_path / "run", threads=1)
     ledger = read_table(tmp_path / "run" / "ledger.csv", ())
     total = ledger["moving"] + ledger["at_rest"] + ledger["left"] + ledger["through_ground"]
     np.testing.assert_array_equal(ledger["released"], total)
@@ -145,7 +145,7 @@ def test_what_passes_an_edge_or_a_gap_has_left(build: Build, tmp_path: Path) -> 
 def test_a_mass_on_a_known_cell_is_on_that_cell(build: Build, tmp_path: Path) -> None:
     x, y = 27.0, 13.0
     case = build({"type": "polygon", "corners": square(x, y, 2.0), "volume": 36.0}, end=0.02)
-    loop.simulate(case, tmp_path / "run", threads=1)
+    simulation.simulate(case, tmp_path / "run", threads=1)
     for name in ("peak_depth", "release", "final_depth"):
         with (
             rasterio.open(tmp_path / "run" / "layers" / f"{name}.tif") as file,

@@ -11,8 +11,8 @@ from debrisflow._jit import set_threads
 from debrisflow.case import ResolvedCase, load_case
 from debrisflow.particles.start import initial_state
 from debrisflow.particles.state import State
-from debrisflow.run.loop import simulate
 from debrisflow.run.names import CHECKPOINT, CHECKPOINT_BEFORE, STATUS
+from debrisflow.run.simulation import simulate
 from tests.fast.test_checkpoint import identical
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -14,7 +14,7 @@ import pyvista
 from debrisflow.case import ResolvedCase
 from debrisflow.errors import DivergedError
 from debrisflow.particles.state import State
-from debrisflow.run import checkpoint, loop
+from debrisflow.run import checkpoint, simulation
 from debrisflow.run.checkpoint import Checkpoints
 from debrisflow.run.events import END_OF_TIME
 from debrisflow.run.names import CHECKPOINT, FAILURE, HISTORY, LOG
@@ -186,7 +186,7 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[Any, bytes]:
     histories = {}
     for build in (tank, cube):
         folder = tmp_path_factory.mktemp("sound") / "run"
-        assert loop.simulate(build(), folder, threads=1)["steps"] >= END
+        assert simulation.simulate(build(), folder, threads=1)["steps"] >= END
         assert "WARNING" not in (folder / LOG).read_text()
         assert not (folder / FAILURE).exists()
         histories[build] = (folder / HISTORY).read_bytes()
@@ -222,7 +222,7 @@ def test_a_planted_fault_is_found(
     fault, folder = FAULTS[name], tmp_path / "run"
     saved = saved_checkpoints(plant(fault.spoil, fault.at))
     with pytest.raises(DivergedError, match=fault.says) as found:
-        loop.simulate(fault.case(), folder, threads=1)
+        simulation.simulate(fault.case(), folder, threads=1)
     text = str(found.value)
 
     moment = re.match(r"at t = ([\d.e+-]+) s, step (\d+), ", text)
@@ -269,9 +269,9 @@ def test_a_run_goes_on_from_the_checkpoint_before_a_fault(
     fault, folder = FAULTS[name], tmp_path / "run"
     patch = plant(fault.spoil)
     with pytest.raises(DivergedError):
-        loop.simulate(fault.case(), folder, threads=1)
+        simulation.simulate(fault.case(), folder, threads=1)
     patch.undo()
-    assert loop.resume(folder, threads=1)["end_reason"] == END_OF_TIME
+    assert simulation.resume(folder, threads=1)["end_reason"] == END_OF_TIME
     assert (folder / HISTORY).read_bytes() == sound[fault.case]
     assert not (folder / FAILURE).exists()
 
@@ -282,10 +282,10 @@ def test_a_fault_before_the_first_checkpoint_leaves_none(
     folder = tmp_path / "run"
     patch = plant(with_term(NoNumber()), at=3)
     with pytest.raises(DivergedError, match=r"no checkpoint was saved yet: .* begins anew"):
-        loop.simulate(tank(), folder, threads=1)
+        simulation.simulate(tank(), folder, threads=1)
     assert not (folder / CHECKPOINT).exists()
     patch.undo()
-    assert loop.resume(folder, threads=1)["end_reason"] == END_OF_TIME
+    assert simulation.resume(folder, threads=1)["end_reason"] == END_OF_TIME
 
 
 def test_a_particle_lost_in_an_obstacle_is_told_and_the_run_goes_on(
@@ -295,7 +295,7 @@ def test_a_particle_lost_in_an_obstacle_is_told_and_the_run_goes_on(
         state.particles.position[3] = 0.45, 0.15, 0.15
 
     plant(into_the_pillar)
-    summary = loop.simulate(cube(), tmp_path / "run", threads=1)
+    summary = simulation.simulate(cube(), tmp_path / "run", threads=1)
     assert sum(summary["through_wall"].values()) == 1
     told = warnings_of(tmp_path / "run")
     assert re.search(r"step 81, particle \d+ went through obstacle pillar at x = 0\.4", told[0])
@@ -311,7 +311,7 @@ def test_a_particle_deep_in_a_wall_of_the_semi_implicit_scheme_is_told_once(
         state.particles.velocity[3] = 0.0
 
     plant(into_the_floor, at=2 * SAVED)
-    loop.simulate(tank(), tmp_path / "run", threads=1)
+    simulation.simulate(tank(), tmp_path / "run", threads=1)
     told = [line for line in warnings_of(tmp_path / "run") if "deep in" in line]
     assert len(told) == 1
     assert re.search(r"step 80, particle \d+ at .* is half a spacing deep in the floor", told[0])
@@ -330,7 +330,7 @@ def test_steps_that_are_halved_often_are_told(
         patch.setattr(Solver, "solve", fail_every_other)
 
     plant(fails_at_first, at=2)
-    loop.simulate(tank(), tmp_path / "run", threads=1)
+    simulation.simulate(tank(), tmp_path / "run", threads=1)
     told = warnings_of(tmp_path / "run")
     assert sum("; halved" in line for line in told) == 3  # no flood of lines
     often = [line for line in told if "50 times within 1000 steps" in line]
@@ -354,7 +354,7 @@ def test_a_film_thinner_than_a_spacing_is_told_once(tmp_path: Path) -> None:
     case = tank_case(
         4, 4, "water", tank=(80, 8), time={"end": 1.0}, output={"interval": 0.1, "rest_speed": 0.01}
     )
-    loop.simulate(case, tmp_path / "run", threads=1)
+    simulation.simulate(case, tmp_path / "run", threads=1)
     told = warnings_of(tmp_path / "run")
     assert len(told) == 1
     assert re.search(r"at t = .* thinner than a spacing over \d+ % .* near x = ", told[0])

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from debrisflow.case import Case, tables
 from debrisflow.case.defaults import complete
-from debrisflow.run.loop import simulate
 from debrisflow.run.measures import particle_volume
+from debrisflow.run.simulation import simulate
 
 CASE = Path(__file__).parents[2] / "cases" / "check_dam3d.toml"
 GRAVITY, DENSITY = 9.81, 1000.0

@@ -20,8 +20,8 @@ from debrisflow.case import load_case
 from debrisflow.results import open_run
 from debrisflow.results.layers import read_layer
 from debrisflow.results.score import compare_with_observed
-from debrisflow.run.loop import simulate
 from debrisflow.run.names import LEDGER
+from debrisflow.run.simulation import simulate
 from debrisflow.run.tables import Table, read_table
 from debrisflow.space.ground import ground_of
 

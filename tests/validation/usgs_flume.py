@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import load_case
 from debrisflow.results.references import read_reference
-from debrisflow.run.loop import simulate
+from debrisflow.run.simulation import simulate
 from tests.validation.dams3d import series
 
 Floats = NDArray[np.float64]

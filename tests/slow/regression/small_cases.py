@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import load_case
-from debrisflow.run.loop import simulate
 from debrisflow.run.names import HISTORY
+from debrisflow.run.simulation import simulate
 
 ROOT = Path(__file__).parents[3]
 CURVES = Path(__file__).parent / "curves"
