@@ -118,6 +118,12 @@ class State:
     patch_force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     escaped: list[Escaped] = field(default_factory=list)
 
+    def inside(self) -> tuple[NDArray[np.int64], Floats]:
+        """Return the fluid particles by phase, (3,), and the sediment in them, in particles."""
+        p, number, sediment = self.particles, _counts(), _sums()
+        count_phases(p.kind[p.fluid], p.sediment_fraction[p.fluid], number, sediment)
+        return number, sediment
+
 
 def count_phases(
     kind: NDArray[np.integer],

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
-from debrisflow.particles.state import PHASES, State, count_phases
+from debrisflow.particles.state import State
 from debrisflow.run.events import LEDGER
 from debrisflow.run.measures import mass
 
@@ -45,12 +45,9 @@ class Balance:
 
     def _sums(self, state: State) -> list[NDArray[np.float64]]:
         """Return number and mass, (2,) arrays, of what entered, is inside, left and was lost."""
-        p, fluid = state.particles, state.particles.fluid
-        inside, sediment = np.zeros(len(PHASES), dtype=np.int64), np.zeros(len(PHASES))
-        count_phases(p.kind[fluid], p.sediment_fraction[fluid], inside, sediment)
         ways = (
             (state.entered, state.entered_sediment),
-            (inside, sediment),
+            state.inside(),
             (state.left, state.left_sediment),
             (state.through_wall, state.through_wall_sediment),
         )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
 from debrisflow.neighbors.lattice import Reference
-from debrisflow.particles.state import PHASES, State, count_phases
+from debrisflow.particles.state import PHASES, State
 from debrisflow.run.measures import elastic_energy, energies, fronts, mass, particle_volume
 from debrisflow.run.tables import Series
 
@@ -116,13 +116,10 @@ def history_row(
 
 def _budget(case: ResolvedCase, state: State) -> dict[str, float | int]:
     """Return particles and mass by way and phase, and the volume of sediment by way."""
-    p, fluid = state.particles, state.particles.fluid
-    inside, inside_sediment = np.zeros(len(PHASES), dtype=np.int64), np.zeros(len(PHASES))
-    count_phases(p.kind[fluid], p.sediment_fraction[fluid], inside, inside_sediment)
     counts = {
         "in": (state.entered, state.entered_sediment),
         "out": (state.left, state.left_sediment),
-        "inside": (inside, inside_sediment),
+        "inside": state.inside(),
         "through_wall": (state.through_wall, state.through_wall_sediment),
     }
     budget: dict[str, float | int] = {}

@@ -8,11 +8,11 @@ from debrisflow.case import ResolvedCase
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.particles.state import State
 from debrisflow.run.names import CASE
-from debrisflow.run.watchdogs.balance import Balance
 from debrisflow.run.watchdogs.density import DensityBounds
 from debrisflow.run.watchdogs.energy import EnergyBudget
 from debrisflow.run.watchdogs.escapes import Escapes
 from debrisflow.run.watchdogs.finite import check_finite
+from debrisflow.run.watchdogs.ledger_check import LedgerCheck
 from debrisflow.run.watchdogs.solver import Halvings
 from debrisflow.run.watchdogs.thinness import Thinness
 from debrisflow.run.watchdogs.time_step import TimeStep
@@ -49,7 +49,7 @@ class Watchdogs:
         self._time_step = TimeStep(case, scheme)
         self._halvings = Halvings(case, scheme)
         self._escapes = Escapes(case, scheme, state)
-        self._balance = Balance(case, state)
+        self._ledger = LedgerCheck(case, state)
         self._density = DensityBounds(case, scheme)
         self._energy = EnergyBudget(case, scheme)
         self._thinness = Thinness(case)
@@ -70,7 +70,7 @@ class Watchdogs:
     def after_step(self) -> None:
         """Check what costs nothing: particles lost, and the ledger of particles."""
         self._escapes.check(self._state)
-        self._balance.check_total(self._state)
+        self._ledger.check_total(self._state)
 
     def at_row(self) -> None:
         """Check all particles at a row of the history, before it is written.
@@ -83,7 +83,7 @@ class Watchdogs:
             return
         self._checked = step
         check_finite(self._case, self._state)
-        self._balance.check(self._state)
+        self._ledger.check(self._state)
         if step > 0:  # before, number densities are those of the start
             self._density.check(self._state)
         self._energy.check(self._state)
@@ -92,7 +92,7 @@ class Watchdogs:
     def before_save(self) -> None:
         """Check what a checkpoint is to hold: a state that failed replaces none."""
         check_finite(self._case, self._state)
-        self._balance.check(self._state)
+        self._ledger.check(self._state)
         self._saved = self._state.time, self._state.step
 
     def where_kept(self, failed: Path) -> str:

@@ -7,13 +7,13 @@ import numpy as np
 from debrisflow.case import ResolvedCase
 from debrisflow.errors import DivergedError
 from debrisflow.particles.place import moment, named_particle
-from debrisflow.particles.state import PHASES, State, count_phases
+from debrisflow.particles.state import PHASES, State
 
 LARGEST_MISFIT = 1e-6
 """Of the sediment, in particles for each particle: rounding of its sum."""
 
 
-class Balance:
+class LedgerCheck:
     """initial + entered + released = in the domain + left + lost, to the particle.
 
     What a release of a terrain brings counts as entered.  The initial number is that which closes
@@ -118,9 +118,7 @@ def _totals(state: State) -> tuple[int, int, int]:
 
 def _open_sums(state: State) -> tuple[np.ndarray, float]:
     """Return what must have been there at the start: particles by phase, and their sediment."""
-    p = state.particles
-    number, sediment = np.zeros(len(PHASES), dtype=np.int64), np.zeros(len(PHASES))
-    count_phases(p.kind[p.fluid], p.sediment_fraction[p.fluid], number, sediment)
+    number, sediment = state.inside()
     number += state.left + state.through_wall - state.entered
     sediment += state.left_sediment + state.through_wall_sediment - state.entered_sediment
     return number, float(sediment.sum())
