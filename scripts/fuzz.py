@@ -40,6 +40,7 @@ LATE = 60.0  # s, by which a process may end after its time
 STARTS = 20  # of the process of a target, which a crash ends
 INSTRUMENTED = (
     "debrisflow.case",
+    "debrisflow.files",
     "debrisflow.results.hazard_classes",
     "debrisflow.results.references",
     "debrisflow.run.tables",

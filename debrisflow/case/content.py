@@ -9,10 +9,10 @@ from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any
 
-from debrisflow.case.files import MOST_BINARY, opened
 from debrisflow.case.loading import dump_case
 from debrisflow.case.resolved import ResolvedCase
 from debrisflow.errors import CaseError
+from debrisflow.files import MOST_BINARY, opened
 
 FILES = ("dem", "file", "raster")
 """Fields of a resolved case that name files; hydrographs, motions and lines are written into it."""

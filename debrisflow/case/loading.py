@@ -16,7 +16,6 @@ from pydantic_core import ErrorDetails
 from debrisflow.case.checks import cross_check
 from debrisflow.case.defaults import complete
 from debrisflow.case.fields import NONE, Table
-from debrisflow.case.files import text_of
 from debrisflow.case.former_names import use_present_names
 from debrisflow.case.hydrograph import inline_hydrograph
 from debrisflow.case.magnitudes import faults_of_size
@@ -35,6 +34,7 @@ from debrisflow.case.toml_text import (
     tables_of,
 )
 from debrisflow.errors import CaseError
+from debrisflow.files import text_of
 
 # Two or three numbers, which the writer spreads over as many lines and two.
 _FEW_NUMBERS = re.compile(r"\[\n((?: *[-+.\w]+,\n){2,3}) *\]")

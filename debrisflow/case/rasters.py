@@ -18,9 +18,9 @@ from typing import Any, BinaryIO, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.files import MOST_BINARY, expect_regular_beside, opened, regular
 from debrisflow.case.memory import available_memory, size
 from debrisflow.case.reference_systems import LONGEST_WKT, METRE, fault_of_heights
+from debrisflow.files import MOST_BINARY, expect_regular_beside, opened, regular
 
 Floats = NDArray[np.float64]
 Stamp = tuple[int, int]

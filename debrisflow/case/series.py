@@ -8,7 +8,7 @@ from io import StringIO
 from math import isfinite
 from pathlib import Path
 
-from debrisflow.case.files import text_of
+from debrisflow.files import text_of
 
 MOST_BYTES = 16_000_000  # half a million rows, which become part of the case
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.files import opened, regular
+from debrisflow.files import opened, regular
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int64]

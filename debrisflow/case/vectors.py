@@ -20,9 +20,9 @@ import shapely
 import shapely.geometry
 import shapely.geometry.polygon
 
-from debrisflow.case.files import expect_regular_beside, opened, regular, text_of
 from debrisflow.case.reference_systems import fault_of_system, wkt_of
 from debrisflow.case.words import either
+from debrisflow.files import expect_regular_beside, opened, regular, text_of
 
 GEOJSON = (".geojson", ".json")
 INSTALL = (

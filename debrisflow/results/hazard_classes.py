@@ -37,10 +37,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.case.files import text_of
 from debrisflow.case.toml_text import MOST_BYTES, WrongTomlError, tables_of
 from debrisflow.case.words import did_you_mean, either
 from debrisflow.errors import CaseError, steers
+from debrisflow.files import text_of
 from debrisflow.run.layers import LAYERS
 
 Floats = NDArray[np.float64]

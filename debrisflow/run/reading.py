@@ -11,8 +11,8 @@ from pathlib import Path, PureWindowsPath
 from typing import NoReturn
 from xml.etree import ElementTree
 
-from debrisflow.case.files import regular
 from debrisflow.errors import OutputError
+from debrisflow.files import regular
 
 CHUNK = 2**20  # bytes
 MOST_BYTES = 4_000_000_000  # of a file; a frame of ten million particles has a quarter of it
