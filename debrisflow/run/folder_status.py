@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import socket
+import sys
 import tomllib
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from debrisflow.errors import OutputError
+from debrisflow.files import opened
 from debrisflow.run.events import (
     END_REASONS,
     ENDED,
@@ -56,7 +59,7 @@ def status_of(folder: Path) -> Status:
     status = read_status(folder) or _from_results(folder)
     status["state"] = _state(status, held)
     goes_on = status["state"] in (KILLED, INTERRUPTED, FAILED)
-    command = f"debrisflow resume {folder}" if goes_on else None
+    command = f"debrisflow resume {shlex.quote(str(folder))}" if goes_on else None
     return status | {"folder": str(folder), "held": held, "next": command}
 
 
@@ -138,13 +141,13 @@ def _last_row(path: Path) -> dict[str, Any]:
 
 def _text(path: Path, from_end: bool = False) -> str:
     """Return the text of a file, or what is at its end; empty if it is not there."""
-    if not path.is_file():
-        return ""
     try:
-        with path.open("rb") as file:
+        with opened(path, sys.maxsize) as file:
             if from_end:
                 file.seek(max(0, os.fstat(file.fileno()).st_size - GREATEST_SIZE))
             return file.read(GREATEST_SIZE).decode("utf-8", errors="replace")
+    except FileNotFoundError:
+        return ""
     except OSError as error:
         raise OutputError(f"{path} cannot be read: {error.strerror}") from error
 

@@ -7,12 +7,13 @@ opened, since a pipe would never end.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from io import BufferedReader, TextIOWrapper
 from pathlib import Path, PureWindowsPath
 from typing import NoReturn
 from xml.etree import ElementTree
 
 from debrisflow.errors import OutputError
-from debrisflow.files import regular
+from debrisflow.files import opened
 
 CHUNK = 2**20  # bytes
 MOST_BYTES = 4_000_000_000  # of a file; a frame of ten million particles has a quarter of it
@@ -29,17 +30,14 @@ def text_of(path: Path) -> str:
     OutputError
         If it is missing, is no regular file or is no text.
     """
-    must_be_file(path)
     parts: list[bytes] = []
+    with _opened(path) as file:
+        while part := file.read(CHUNK):
+            if b"\0" in part:
+                raise OutputError(f"{path} cannot be read: it is no text, it has zero bytes")
+            parts.append(part)
     try:
-        with path.open("rb") as file:
-            while part := file.read(CHUNK):
-                if b"\0" in part:
-                    raise OutputError(f"{path} cannot be read: it is no text, it has zero bytes")
-                parts.append(part)
         return b"".join(parts).decode("utf-8-sig")
-    except OSError as error:
-        raise OutputError(f"{path} cannot be read: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise OutputError(f"{path} cannot be read: it is no text in UTF-8: {error}") from error
 
@@ -54,8 +52,7 @@ def lines_of(path: Path) -> Iterator[str]:
     OutputError
         If it is missing or no regular file.
     """
-    must_be_file(path)
-    with path.open(encoding="utf-8", errors="replace") as file:
+    with TextIOWrapper(_opened(path), encoding="utf-8", errors="replace") as file:
         while line := file.readline(CHUNK):
             yield line.rstrip("\n")
 
@@ -67,8 +64,12 @@ def must_be_file(path: Path) -> None:
     ------
     OutputError
     """
+    _opened(path).close()
+
+
+def _opened(path: Path) -> BufferedReader:
     try:
-        regular(path, MOST_BYTES)
+        return opened(path, MOST_BYTES)
     except FileNotFoundError as error:
         raise OutputError(f"{path} is missing") from error
     except OSError as error:

@@ -10,6 +10,7 @@ from time import perf_counter
 from typing import Any
 
 from debrisflow.errors import OutputError
+from debrisflow.files import text_of
 from debrisflow.run.atomic import replaced
 from debrisflow.run.events import FIELDS, LEDGER, LIVE, OVER, WARNING, Event, Field, plain
 from debrisflow.run.names import STATUS
@@ -62,8 +63,7 @@ def read_status(folder: Path) -> dict[str, Any] | None:
     if not path.is_file():
         return None
     try:
-        with path.open(encoding="utf-8") as file:
-            text = file.read(GREATEST_SIZE)
+        text = text_of(path, GREATEST_SIZE)
         if not text:
             return None  # left by a loss of power
         status = json.loads(text)

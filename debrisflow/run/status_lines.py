@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from typing import Any
 
+from debrisflow.errors import shown
 from debrisflow.run.duration import duration
 from debrisflow.run.events import FAILED, LEDGER, LIVE, OVER
 from debrisflow.run.folder_status import KILLED, UNKNOWN
@@ -17,10 +18,10 @@ PER_WIDTH = {2: " kg per meter of width", 3: " kg"}
 def status_lines(status: Mapping[str, Any]) -> Iterator[str]:
     """Yield what :func:`debrisflow.run.folder_status.status_of` returned, without what is unknown.
 
-    What might be read as a command by a terminal is left out too: the file may be from anybody.
+    What might be read as a command by a terminal is written out: the file may be from anybody.
     """
     for line in _lines(status):
-        yield "".join(letter if letter.isprintable() else " " for letter in line)
+        yield " ".join(shown(line).splitlines())
 
 
 def _lines(status: Mapping[str, Any]) -> Iterator[str]:

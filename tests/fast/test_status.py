@@ -234,7 +234,7 @@ def test_a_file_commands_no_terminal(done):
 
     _, text = seen(done)
 
-    assert "reason       [2Jgone  \n" in text
+    assert "reason      \\x1b[2Jgone \\x07\n" in text
     assert "\x1b" not in text
 
 
