@@ -21,7 +21,7 @@ from typing import Any
 import llvmlite
 import numba
 import numpy
-from llvmlite.binding import set_option
+from llvmlite.binding import get_host_cpu_name, set_option
 from numba.core import event
 from numba.core.codegen import JITCodeLibrary
 
@@ -133,6 +133,7 @@ def _threading_layer() -> str:
 
 
 KERNELS = _digest_of_kernels()
+PROCESSOR = get_host_cpu_name()
 CACHE_DIRECTORIES = places(f"kernels-{KERNELS}")
 """Kernels are read from all, and written into the last; without any each process compiles."""
 THREADING_LAYER = _threading_layer()

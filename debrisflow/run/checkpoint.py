@@ -46,11 +46,14 @@ class Origin(NamedTuple):
     ----------
     program : str
         The program and what its machine code comes from.
+    processor : str
+        For which the machine code was made.
     content : str
         JSON of :func:`debrisflow.case.content.content_of`.
     """
 
     program: str
+    processor: str
     content: str
 
     def changes(self, now: Origin) -> list[str]:

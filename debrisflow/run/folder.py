@@ -143,6 +143,8 @@ class RunFolder:
     ----------
     path : Path
     case : ResolvedCase
+    content : dict
+        Of the case and its files as they are when the run begins or goes on.
     checkpoints : Checkpoints
     log : logging.Logger
         Logger of the package.
@@ -151,8 +153,7 @@ class RunFolder:
     def __init__(self, path: Path, case: ResolvedCase) -> None:
         self.path, self.case = path, case
         self.checkpoints = Checkpoints(path)
-        # of the files as they are when the run begins
-        self._digest = digest_of(content_of(case)) if case.is_terrain else ""
+        self.content = content_of(case)
         self._frames = Collection(path / FRAMES)
         self._obstacles: Collection | None = None
         if trajectories(case):
@@ -284,7 +285,9 @@ class RunFolder:
 
     def _origin(self, time: float) -> Origin:
         case = self.case
-        return Origin(self._digest, case.particles.spacing, case.output.layer_depth, time)
+        return Origin(
+            digest_of(self.content), case.particles.spacing, case.output.layer_depth, time
+        )
 
     def write_deposit(self, time: float, profile: DepositProfile) -> None:
         """Append a deposit profile at a time, s."""

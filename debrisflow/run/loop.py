@@ -9,10 +9,10 @@ from time import perf_counter
 from typing import Any
 
 from debrisflow import __version__
-from debrisflow._jit import KERNELS, THREADING_LAYER, cores, set_threads
+from debrisflow._jit import KERNELS, PROCESSOR, THREADING_LAYER, cores, set_threads
 from debrisflow.case import ResolvedCase
 from debrisflow.case.built import HEAD
-from debrisflow.case.content import content_of
+from debrisflow.case.content import Content
 from debrisflow.case.doubts import doubts
 from debrisflow.errors import DivergedError, Interrupted, NotConvergedError
 from debrisflow.particles.releases import is_pending, waiting
@@ -43,10 +43,10 @@ FEWEST_PARTICLES_A_THREAD = 4000
 MOST_SAVING = 0.015  # of the wall time, for checkpoints by wall time
 
 
-def origin_of(case: ResolvedCase) -> Origin:
-    """Return what a run of a case computes by, and from, now."""
+def origin_of(content: Content) -> Origin:
+    """Return what a run computes by, and from, now."""
     program = f"debrisflow {__version__}, kernels {KERNELS}"
-    return Origin(program, json.dumps(content_of(case)))
+    return Origin(program, PROCESSOR, json.dumps(content))
 
 
 def use_threads(state: State, given: int | None) -> int:
@@ -88,7 +88,7 @@ class Run:
             self.checkpoints = Schedule(output.checkpoint_interval, start, end)
         self.samples = {probe.name: Schedule(probe.interval, 0.0, end) for probe in case.probe}
         self.recorder = recorder_of(case)
-        self._origin, self._saved, self._saving = origin_of(case), perf_counter(), 0.0
+        self._origin, self._saved, self._saving = origin_of(results.content), perf_counter(), 0.0
         self._checkpoint_is_due = self._is_at_rest = False
         self._signals = signals
         LOG.info(

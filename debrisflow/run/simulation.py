@@ -145,7 +145,7 @@ def resume(
                 state = initial_state(case)
                 kept = results.checkpoints.load()
                 if kept is not None:
-                    _check(kept, case, state, accept_changes)
+                    _check(kept, results, state, accept_changes)
                     state = kept.state
                 probes = samplers(case, state)
             expect_space(case, folder, state.particles.fluid_count)
@@ -163,15 +163,15 @@ def resume(
                 return run.finish()
 
 
-def _check(kept: Checkpoint, case: ResolvedCase, start: State, accept_changes: bool) -> None:
+def _check(kept: Checkpoint, results: RunFolder, start: State, accept_changes: bool) -> None:
     """Check that a run can go on from a checkpoint to the bits of a run without interruption."""
-    particles = kept.state.particles
+    case, particles, now = results.case, kept.state.particles, origin_of(results.content)
     if case.has_surfaces and particles.count > particles.moving.stop:
         raise OutputError(
             "the checkpoint was written by a version of debrisflow whose walls were particles and "
             "cannot be continued; start the run again with: debrisflow run"
         )
-    changed = kept.origin.changes(origin_of(case))
+    changed = kept.origin.changes(now)
     if changed and not accept_changes:
         raise OutputError(
             "\n  ".join(["since the last checkpoint there have been changes:", *changed])
@@ -181,6 +181,13 @@ def _check(kept: Checkpoint, case: ResolvedCase, start: State, accept_changes: b
         )
     for line in changed:
         LOG.warning("changed since the last checkpoint: %s", line)
+    if kept.origin.processor != now.processor:
+        LOG.warning(
+            "the checkpoint is from another kind of processor (%s, this one is %s): the run goes "
+            "on, but may differ from one without interruption by rounding",
+            kept.origin.processor,
+            now.processor,
+        )
     check_fits(kept.state, start)
     must_be_sound(kept.state, case, start)
     if case.time.end < kept.state.time:

@@ -14,7 +14,7 @@ from debrisflow.particles.state import State
 from debrisflow.run import checkpoint
 from debrisflow.run.checkpoint import Checkpoints, Origin
 
-ORIGIN = Origin("debrisflow 1, kernels 0a", '{"time": {"end": 2.0}, "title": "a"}')
+ORIGIN = Origin("debrisflow 1, kernels 0a", "zen", '{"time": {"end": 2.0}, "title": "a"}')
 
 
 @pytest.fixture
@@ -170,7 +170,7 @@ def test_the_last_two_are_kept_and_one_stands_in_for_the_other(tmp_path, state, 
 
 
 def test_what_has_changed_is_listed_but_for_the_end():
-    now = Origin("debrisflow 2, kernels 0a", '{"time": {"end": 3.0}, "title": "b"}')
+    now = Origin("debrisflow 2, kernels 0a", "zen", '{"time": {"end": 3.0}, "title": "b"}')
     assert ORIGIN.changes(now) == [
         "the program: debrisflow 1, kernels 0a, now debrisflow 2, kernels 0a",
         "title: a, now b",

@@ -104,7 +104,7 @@ def test_it_decays_by_its_time_from_the_start_on():
 def test_a_state_that_was_kept_goes_on_to_the_same_bits(tmp_path):
     scheme, state = started(slab({"pore_pressure": 0.8, "pore_pressure_time": 0.25}))
     advance(scheme, state, steps=scheme.REFRESH)
-    origin = checkpoint.Origin("", "{}")
+    origin = checkpoint.Origin("", "", "{}")
     checkpoint.save(tmp_path / "c.h5", state, origin)
     advance(scheme, state, steps=7)
     other, _ = started(slab({"pore_pressure": 0.8, "pore_pressure_time": 0.25}))

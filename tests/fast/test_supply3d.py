@@ -162,6 +162,6 @@ def test_a_supply_goes_on_bit_for_bit_from_a_checkpoint(tmp_path):
     case = flume(hydrograph=HYDROGRAPH)
     whole = supplied(case, 1.2)
     part = supplied(case, 0.6)
-    origin = checkpoint.Origin("", "{}")
+    origin = checkpoint.Origin("", "", "{}")
     checkpoint.save(tmp_path / "c.h5", part, origin)
     assert identical(whole, go_on(checkpoint.load(tmp_path / "c.h5").state, case, 1.2))

@@ -373,14 +373,14 @@ def test_a_checkpoint_with_numbers_of_no_run_is_refused(name):
 @pytest.mark.parametrize("content", ["", "[" * 10**5, "[1", '{"a": ' * 900 + "1" + "}" * 900])
 def test_an_origin_that_cannot_be_compared_is_damage(tmp_path, content):
     case = channel_case(length=1.0)
-    checkpoint.save(tmp_path / "c.h5", initial_state(case), Origin("debrisflow", content))
+    checkpoint.save(tmp_path / "c.h5", initial_state(case), Origin("debrisflow", "zen", content))
     with pytest.raises(OutputError, match="damaged"):
         checkpoint.load(tmp_path / "c.h5")
 
 
 def test_an_array_with_two_names_is_refused(tmp_path):
     case = channel_case(length=1.0)
-    checkpoint.save(tmp_path / "c.h5", initial_state(case), Origin("debrisflow", "{}"))
+    checkpoint.save(tmp_path / "c.h5", initial_state(case), Origin("debrisflow", "zen", "{}"))
     with h5py.File(tmp_path / "c.h5", "a") as file:
         del file["particles/density"]
         file["particles/density"] = file["particles/pressure"]

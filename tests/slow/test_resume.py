@@ -208,3 +208,12 @@ def test_a_table_that_is_missing_is_told(tmp_path, whole):
         (run / name).unlink()
     simulation.resume(run)
     assert "history.csv is missing: it begins anew" in (run / "run.log").read_text()
+
+
+def test_another_kind_of_processor_is_told(tmp_path, interrupt, monkeypatch):
+    run = tmp_path / "run"
+    broken_off(bed(), run, interrupt)
+    monkeypatch.setattr(loop, "PROCESSOR", "z80")
+    simulation.resume(run)
+    assert "from another kind of processor" in (run / "run.log").read_text()
+    assert "this one is z80" in (run / "run.log").read_text()
