@@ -92,7 +92,8 @@ def spread(position, velocity, density, half, cell, owner, sums, touched):
         row and the one past the last; a row for each part.
     """
     for part in prange(touched.shape[0]):
-        _spread(part, owner, position, velocity, density, half, cell, sums, touched)
+        own = np.int64(part)  # else it would be compiled for unsigned numbers too
+        _spread(own, owner, position, velocity, density, half, cell, sums, touched)
 
 
 @kernel
