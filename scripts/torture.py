@@ -39,23 +39,21 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic, sleep
 
 import click
 from torture_cases import CHANGES, write_case
+from torture_disk import fill, remove, small_file_system
+from torture_process import CHECKPOINT, LostError, Process, unfinished
 
 from debrisflow.results import open_run
 
-UNFINISHED = ".unfinished"
-CHECKPOINT = "checkpoint.h5"
 LEFT_OUT = {"run.log", "status.json", "run.lock", CHECKPOINT, "checkpoint_before.h5", "filler"}
 MEASURED = ("wall_", "compile_", "particle_steps_per", "seconds_per")  # of the machine, not the run
-PATIENCE = 120.0  # s, after which a process hangs
 COMPILING = 900.0  # s, for the first process, which may compile kernels
-POLL = 0.0005  # s
 START_UP, IN_CHECKPOINT, IN_WRITING, AT_END, STEPPING = (
     "start-up",
     "within a checkpoint's write",
@@ -66,78 +64,6 @@ START_UP, IN_CHECKPOINT, IN_WRITING, AT_END, STEPPING = (
 PHASES = (START_UP, IN_CHECKPOINT, IN_WRITING, AT_END, STEPPING)
 WEIGHTS = (18, 22, 18, 5, 37)
 QUICK = {"kills": 36, "terms": 4, "full": 3, "removed": 2}
-
-
-class LostError(Exception):
-    """A run did not do what it must."""
-
-
-@dataclass
-class Process:
-    """A run or its continuation, with what was in its folder before."""
-
-    folder: Path
-    popen: subprocess.Popen[bytes]
-    messages: Path
-    mark: int
-    before: set[tuple[str, int]]
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether the process has ended."""
-        return self.popen.poll() is not None
-
-    def has_started(self) -> bool:
-        """Return whether start-up is over: the line on threads is logged right before it is."""
-        with contextlib.suppress(OSError), (self.folder / "run.log").open("rb") as log:
-            log.seek(self.mark)
-            return b"threads by" in log.read()
-        return False
-
-    def new_unfinished(self) -> set[str]:
-        """Return the names of files that are being written, without those left by earlier kills."""
-        return {name for name, _ in unfinished(self.folder) - self.before}
-
-    def is_saving(self) -> bool:
-        """Return whether a checkpoint is being written."""
-        return CHECKPOINT + UNFINISHED in self.new_unfinished()
-
-    def is_writing_others(self) -> bool:
-        """Return whether another file is being written."""
-        return bool(self.new_unfinished() - {CHECKPOINT + UNFINISHED})
-
-    def wait_for(self, condition: Callable[[], bool], longest: float = PATIENCE) -> bool:
-        """Return whether a condition came about before the process ended."""
-        end = monotonic() + longest
-        while not condition():
-            if self.has_ended or monotonic() > end:
-                return False
-            sleep(POLL)
-        return True
-
-    def wait(self, longest: float = PATIENCE) -> int:
-        """Return the exit code; a process that hangs is lost."""
-        try:
-            return self.popen.wait(longest)
-        except subprocess.TimeoutExpired as error:
-            self.popen.kill()
-            self.popen.wait()
-            raise LostError(f"hangs: {self.text()[-500:]}") from error
-
-    def text(self) -> str:
-        """Return what the process has printed."""
-        return self.messages.read_text(encoding="utf-8", errors="replace")
-
-
-def unfinished(folder: Path) -> set[tuple[str, int]]:
-    """Return names and inodes of the unfinished files in a folder and in those within it."""
-    found = set()
-    for place in (folder, *(folder / name for name in ("vtu", "layers", "probes", "probes/grid"))):
-        with contextlib.suppress(OSError), os.scandir(place) as entries:
-            for entry in entries:
-                if entry.name.endswith(UNFINISHED):
-                    found.add((entry.name, entry.inode()))
-    return found
 
 
 @dataclass
@@ -394,7 +320,7 @@ class Torture:
         filler = process.folder / "filler"
         if self.counts["full"] >= self.most_full or not self.await_phase(process, STEPPING):
             return None
-        _fill(filler, left=self.random.randrange(0, 100_000))
+        fill(filler, left=self.random.randrange(0, 100_000))
         code = process.wait()
         filler.unlink()
         if code == 0:
@@ -414,7 +340,7 @@ class Torture:
         if self.random.random() < 0.5:
             process.folder.rename(away)
         else:
-            _remove(process.folder)
+            remove(process.folder)
         code = process.wait()
         shutil.rmtree(away, ignore_errors=True)
         if code == 0:
@@ -456,7 +382,7 @@ class Torture:
 
     def fill_all(self, full: int) -> None:
         """Fill the disk under runs."""
-        with _small_file_system(self.work / "small", 3 * self.size + 4_000_000) as place:
+        with small_file_system(self.work / "small", 3 * self.size + 4_000_000) as place:
             lives = 0
             while self.counts["full"] < full and lives < full:
                 way = self.filled if place is not None else self.limited
@@ -494,33 +420,6 @@ def _last_time(folder: Path) -> float | None:
         file.seek(max(0, file.tell() - 4096))
         return float(file.read().splitlines()[-1].split(b",")[0])
     return None
-
-
-def _fill(filler: Path, left: int) -> None:
-    """Take all the space of a file system but some bytes."""
-    with contextlib.suppress(OSError), filler.open("wb") as file:
-        free = shutil.disk_usage(filler.parent).free
-        os.posix_fallocate(file.fileno(), 0, max(1, free - left))
-
-
-def _remove(folder: Path) -> None:
-    """Remove a folder in which files appear meanwhile."""
-    while folder.exists():
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-@contextlib.contextmanager
-def _small_file_system(folder: Path, size: int) -> Iterator[Path | None]:
-    """Mount a small file system in memory; None where that is not allowed."""
-    folder.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
-    if sys.platform != "linux" or subprocess.run(command, capture_output=True).returncode != 0:
-        yield None
-        return
-    try:
-        yield folder
-    finally:
-        subprocess.run(["umount", str(folder)], check=True)
 
 
 ROWS = (
