@@ -14,7 +14,8 @@ A run is stopped by
 - SIGKILL: in start-up, within the write of a checkpoint, within that of another file, after the
   last step, anywhere.  A kill is aimed by what appears in the folder, and counted by what is found
   there afterwards;
-- SIGTERM, one or two, after which the exit code is 143;
+- SIGTERM, one or two, after which the exit code is 143, or that of the signal itself where it comes
+  before the program can take it or when all results are there;
 - a full disk: the folder is a small file system in memory, and a file takes all that is free but a
   few pages (without leave to mount, a limit on the size of files stands in for it).  The run must
   end with a message and exit code 3, and go on when there is space;
@@ -160,10 +161,11 @@ class Torture:
             raise LostError(f"traceback{'' if is_own else ' after the second SIGTERM'}: {text}")
         if code == 0:
             return
-        way_is_early = not process.has_started()  # before the program takes signals
+        # The program takes signals from its start-up until all results are there.
+        is_outside = not process.has_started() or process.has_finished()
         expected = {
             "SIGKILL": {-signal.SIGKILL},
-            "SIGTERM": {143, -signal.SIGTERM} if way_is_early else {143},
+            "SIGTERM": {143, -signal.SIGTERM} if is_outside else {143},
             "SIGTERM twice": {143, -signal.SIGTERM},
             "full": {3},
             "removed": {3},

@@ -42,6 +42,13 @@ class Process:
             return b"threads by" in log.read()
         return False
 
+    def has_finished(self) -> bool:
+        """Return whether the folder holds all results."""
+        with contextlib.suppress(OSError):
+            summary = (self.folder / "summary.json").read_text(encoding="utf-8")
+            return '"end of the simulated time"' in summary
+        return False
+
     def new_unfinished(self) -> set[str]:
         """Return the names of files that are being written, without those left by earlier kills."""
         return {name for name, _ in unfinished(self.folder) - self.before}
