@@ -15,7 +15,7 @@ from debrisflow.case.words import ABSENT, NEAR, did_you_mean, either, nearest
 
 Problems = Iterator["Problem"]
 LONGEST_VALUE = 60
-CHOOSERS = ("type", "law")  # fields by which one of several tables is chosen
+CHOOSERS = ("type", "law", "distribution")  # fields by which one of several tables is chosen
 MOST_SUGGESTED = 3  # keys of other tables
 _ENTRY = re.compile(r"\b([a-z]+)\.([0-9]{1,9})\b")
 
@@ -108,8 +108,8 @@ class Place(NamedTuple):
         return ".".join(map(str, self.keys))
 
 
-def locate(path: Sequence[str | int]) -> Place:
-    """Follow a path of keys through the tables.
+def locate(path: Sequence[str | int], root: type[Table] = Case) -> Place:
+    """Follow a path of keys through the tables of a case, or of another kind of file.
 
     Pydantic names the chosen member of a union in its paths (``geometry, tank, length``, or a kind
     of list beside the name of a file); such a step is followed but is no key of the file.
@@ -117,7 +117,7 @@ def locate(path: Sequence[str | int]) -> Place:
     keys: list[str | int] = []
     field: FieldInfo | None = None
     owners: tuple[type[Table], ...] = ()
-    tables: tuple[type[Table], ...] = (Case,)
+    tables: tuple[type[Table], ...] = (root,)
     for step in path:
         chosen = tuple(t for t in tables if step in (t.__name__, _tag(t)))
         if chosen and _is_union(field):
@@ -186,15 +186,17 @@ def show(value: Any) -> str:
     return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 4] + " ..."
 
 
-def translate(error: Mapping[str, Any], data: Mapping[str, Any]) -> Problem | None:
+def translate(
+    error: Mapping[str, Any], data: Mapping[str, Any], root: type[Table] = Case
+) -> Problem | None:
     """Return the problem that one error of pydantic, about the data of a case, stands for.
 
     Returns None for the second of two errors about one value that may be a table or a text.
     """
-    place = locate(error["loc"])
+    place = locate(error["loc"], root)
     kind, value = error["type"], error["input"]
     if kind == "extra_forbidden":
-        message = _not_of_the_law(place) or "unknown key" + _likely_key(place, value, data)
+        message = _not_of_the_law(place) or "unknown key" + _likely_key(place, value, data, root)
         return Problem(place.key, message, value)
     if kind == "missing":
         return _missing(place)
@@ -244,11 +246,11 @@ def _choices(field: FieldInfo | None) -> Iterator[str]:
             yield from get_args(member)
 
 
-def _likely_key(place: Place, value: Any, data: Mapping[str, Any]) -> str:
+def _likely_key(place: Place, value: Any, data: Mapping[str, Any], root: type[Table]) -> str:
     """Suggest a key of the same table, or one of the same or a like name in other tables."""
     word = str(place.keys[-1])
     here = did_you_mean(word, [name for table in place.owners for name in table.model_fields])
-    known = dict.fromkeys(_all_keys(Case, data, is_table=isinstance(value, Mapping)))
+    known = dict.fromkeys(_all_keys(root, data, is_table=isinstance(value, Mapping)))
     if place.key in known:
         return " here; it belongs to another type of this table"
     names = {key.rpartition(".")[2] for key in known}

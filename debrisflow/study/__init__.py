@@ -1,0 +1,1 @@
+"""Many runs of one case: designs, members, maps of probability, sensitivity, calibration."""
