@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from debrisflow import __version__
-from debrisflow.commands import cases, results, runs
+from debrisflow.commands import cases, results, runs, studies
 from debrisflow.commands.console import print_error
 from debrisflow.errors import DebrisflowError, Interrupted
 
@@ -109,5 +109,6 @@ for command in (
     results.render,
     results.hazard,
     results.score,
+    studies.sweep,
 ):
     main.add_command(command)

@@ -62,7 +62,7 @@ def load_case(path: Path | str, overrides: Sequence[str] = ()) -> ResolvedCase:
         With every problem of the file, one a line.
     """
     path = Path(path)
-    return _checked(_read(path), overrides, path.parent, f"{path}")
+    return _checked(tables_of_file(path), overrides, path.parent, f"{path}")
 
 
 def build_case(
@@ -225,8 +225,14 @@ def _with_units(node: Any) -> Any:
     return node
 
 
-def _read(path: Path) -> dict[str, Any]:
-    """Return the contents of a TOML file, with the comment at its head as its notes."""
+def tables_of_file(path: Path) -> dict[str, Any]:
+    """Return the contents of a TOML file, unchecked, with the comment at its head as its notes.
+
+    Raises
+    ------
+    CaseError
+        If it cannot be read, or is no TOML.
+    """
     try:
         text = text_of(path, MOST_BYTES)
         return {"notes": _head_comment(text)} | tables_of(text)

@@ -327,5 +327,6 @@ _MESSAGES: dict[str, _Telling] = {
     ),
     "tuple_type": lambda _, place: _list_of(place),
     "too_long": lambda _, place: _list_of(place),
+    "value_error": lambda fault, _: str(fault["error"]),
     "too_short": lambda limit, _: f"must have at least {limit['min_length']} entries",
 }

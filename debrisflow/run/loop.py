@@ -43,10 +43,14 @@ FEWEST_PARTICLES_A_THREAD = 4000
 MOST_SAVING = 0.015  # of the wall time, for checkpoints by wall time
 
 
+def program() -> str:
+    """Return the program and what its machine code comes from, in words."""
+    return f"debrisflow {__version__}, kernels {KERNELS}"
+
+
 def origin_of(content: Content) -> Origin:
     """Return what a run computes by, and from, now."""
-    program = f"debrisflow {__version__}, kernels {KERNELS}"
-    return Origin(program, PROCESSOR, json.dumps(content))
+    return Origin(program(), PROCESSOR, json.dumps(content))
 
 
 def use_threads(state: State, given: int | None) -> int:

@@ -1,0 +1,65 @@
+"""What is made of the members of a study: tables, maps, sensitivity, a fit and a report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from debrisflow.run.tables import Row, write_table
+from debrisflow.study.names import TABLE
+from debrisflow.study.results import Results
+from debrisflow.study.sweep import Sweep, Told
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+HEAD = ("members of the study; nan where a run gives no answer, empty where there is no run",)
+
+
+def analyze(
+    sweep: Sweep, results: Results, client: Client, threads: int = 1, told: Told | None = None
+) -> list[Path]:
+    """Write what a study wants of its members into its folder, and return the files.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    results : Results
+        Of its design.
+    client : distributed.Client
+        Of the workers, for the further runs of a calibration.
+    threads : int
+        Of each member.
+    told : callable, optional
+        Called with each further member and its outcome.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    """
+    return [write_members(results, sweep.folder / TABLE)]
+
+
+def write_members(results: Results, path: Path) -> Path:
+    """Write a table of the members: values of the parameters, state, quantities."""
+    names = [one.name for one in results.study.parameter]
+    units = results.units
+    head = [*HEAD, *(f"{name}: {unit}" for name, unit in units.items() if unit not in ("", "-"))]
+    columns = ["number", "folder", *names, "state", "seconds", *units]
+    write_table(path, columns, head, _rows(results, names))
+    return path
+
+
+def _rows(results: Results, names: list[str]) -> Iterator[Row]:
+    triples = zip(results.members, results.outcomes, results.figures, strict=True)
+    for member, outcome, figures in triples:
+        yield [
+            str(member.number),
+            member.folder.name,
+            *(member.values[name] for name in names),
+            outcome.state,
+            outcome.seconds,
+            *(figures[name].value if name in figures else "" for name in results.units),
+        ]

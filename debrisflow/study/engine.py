@@ -1,0 +1,217 @@
+"""Members on the workers of dask.distributed: a cluster of this machine, or a running scheduler."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from debrisflow.case.memory import available_memory, size
+from debrisflow.errors import OutputError
+from debrisflow.study.computing import compute
+from debrisflow.study.member import Member
+from debrisflow.study.outcome import STOPPED, Outcome
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+MISSING = "debrisflow sweep needs packages of its own: pip install 'debrisflow[sweep]'"
+PATIENCE = "30s"  # for a scheduler that does not answer
+OF_A_PROCESS = 3e8  # bytes, of Python and the compiled kernels, beside the particles
+SPARE = 0.6  # share of a worker's memory beyond which a member does not fit: dask ends it at 0.95
+
+
+@contextmanager
+def local_cluster(workers: int, threads: int) -> Iterator[Client]:
+    """Start workers on this machine, each for one member at a time, and stop them at the end.
+
+    Parameters
+    ----------
+    workers : int
+    threads : int
+        Of each.
+
+    Raises
+    ------
+    OutputError
+        If dask is not installed.
+    """
+    distributed = _distributed()
+    _quiet()
+    memory = available_memory()
+    # Before Numba is imported there, each process would take all cores.
+    environment = {"NUMBA_NUM_THREADS": str(threads)}
+    with (
+        _configured(environment),
+        distributed.LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=None,
+            memory_limit=memory / workers if memory else "auto",
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
+
+
+@contextmanager
+def connected(address: str) -> Iterator[Client]:
+    """Connect to a running scheduler.
+
+    Raises
+    ------
+    OutputError
+        If nothing answers there, or no worker has joined.
+    """
+    distributed = _distributed()
+    _quiet()
+    try:
+        client = distributed.Client(address, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise OutputError(
+            f"no scheduler of dask answers at {address}: {error}; start one with: dask scheduler, "
+            f"and workers with: dask worker {address} --nthreads 1"
+        ) from error
+    with client:
+        yield client
+
+
+def workers_for(need: float, threads: int) -> int:
+    """Return how many workers this machine has room for.
+
+    Parameters
+    ----------
+    need : float
+        Memory of a member, bytes.
+    threads : int
+        Of each.
+
+    Raises
+    ------
+    OutputError
+        If there is no room for one.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    by_cores = max(1, (cores or 1) // threads)
+    memory = available_memory()
+    if memory is None:
+        return by_cores
+    by_memory = int(SPARE * memory / (need + OF_A_PROCESS))
+    if by_memory < 1:
+        raise OutputError(
+            f"a member needs about {size(need + OF_A_PROCESS)} of memory, and {size(memory)} are "
+            "free here; coarsen its particles, or use --scheduler with larger machines"
+        )
+    return min(by_cores, by_memory)
+
+
+def expect_fit(client: Client, need: float) -> None:
+    """Refuse workers that cannot hold a member, or would compute several in one process.
+
+    Raises
+    ------
+    OutputError
+    """
+    for name, worker in workers_of(client).items():
+        if worker["nthreads"] != 1:
+            raise OutputError(
+                f"the worker {name} has {worker['nthreads']} threads and would compute as many "
+                "members in one process; start workers with --nthreads 1"
+            )
+        limit = worker["memory_limit"]
+        if limit and need + OF_A_PROCESS > SPARE * limit:
+            raise OutputError(
+                f"a member needs about {size(need + OF_A_PROCESS)} of memory, and the worker "
+                f"{name} has {size(limit)}; use fewer workers, or coarsen the particles"
+            )
+
+
+def workers_of(client: Client) -> Mapping[str, Any]:
+    """Return the workers that a scheduler knows, by their addresses."""
+    found: Mapping[str, Any] = client.scheduler_info(n_workers=-1)["workers"]
+    return found
+
+
+def computed(
+    client: Client, members: Sequence[Member], threads: int
+) -> Iterator[tuple[Member, Outcome]]:
+    """Compute members, and yield each with what became of it, in the order in which they end.
+
+    A member whose worker dies is given to another one, which goes on with it.  Members with the
+    same content are computed once.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    members : sequence of Member
+    threads : int
+        Of each.
+    """
+    from distributed import as_completed
+
+    alike: dict[str, list[Member]] = {}
+    for member in members:
+        alike.setdefault(member.digest, []).append(member)
+    futures = {
+        digest: client.submit(
+            compute, same[0].case, same[0].folder.absolute(), threads, key=f"member-{digest}"
+        )
+        for digest, same in alike.items()
+    }
+    try:
+        for future in as_completed(futures.values()):
+            outcome = _outcome(future)
+            for member in alike[future.key.removeprefix("member-")]:
+                yield member, outcome
+            future.release()
+    finally:
+        client.cancel([future for future in futures.values() if not future.done()])
+
+
+def _outcome(future: Any) -> Outcome:
+    """Return what a worker found, or why it died."""
+    error = future.exception()
+    if error is None:
+        found: Outcome = future.result()
+        return found
+    reason = (
+        "each worker that computed it was killed, as one is that takes more memory than it has; "
+        "use fewer workers"
+        if type(error).__name__ == "KilledWorker"
+        else f"{type(error).__name__}: {error}"
+    )
+    return Outcome(STOPPED, reason, {}, 0.0)
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError as error:
+        raise OutputError(MISSING) from error
+    return distributed
+
+
+def _quiet() -> None:
+    """Keep the messages of dask on its own workings off the terminal."""
+    for name in ("distributed", "tornado"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+
+
+@contextmanager
+def _configured(environment: Mapping[str, str]) -> Iterator[None]:
+    """Set what the workers of a cluster are started with."""
+    import dask
+
+    before = dask.config.get("distributed.nanny.pre-spawn-environ", {})
+    with dask.config.set(
+        {
+            "distributed.nanny.pre-spawn-environ": {**before, **environment},
+            "distributed.admin.tick.limit": "1h",  # compiling kernels holds the interpreter
+        }
+    ):
+        yield

@@ -1,0 +1,11 @@
+"""Names of the files and folders in the folder of a study."""
+
+from __future__ import annotations
+
+MEMBERS = "members"
+PLAN = "study.json"
+TABLE = "members.csv"
+MAPS = "maps"
+SENSITIVITY = "sensitivity"
+CALIBRATION = "calibration"
+REPORT = "report.html"
