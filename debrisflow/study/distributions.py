@@ -14,6 +14,8 @@ from debrisflow.case.fields import NAME_PATTERN, NONE, Series, Table, quantity
 Floats = NDArray[np.float64]
 Value = float | str
 """Of a parameter: a number, or a word, as the name of a law or of a file."""
+Values = dict[str, Value]
+"""Of all parameters of a member, by their names."""
 
 
 class Parameter(Table):
@@ -53,8 +55,8 @@ class Continuous(Parameter):
 
         Examples
         --------
-        >>> Uniform(name="mu", key="x", distribution="uniform", low=0.1, high=0.3).at(0.25)
-        0.15000000000000002
+        >>> Uniform(name="mu", key="x", distribution="uniform", low=0.25, high=0.75).at(0.5)
+        0.5
         """
         return float(self.law.ppf(share))
 
