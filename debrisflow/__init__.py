@@ -17,9 +17,10 @@ From Python::
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 
-__all__ = ["__version__", "build_case", "load_case", "open_run", "simulate"]
+__all__ = ["Sweep", "__version__", "build_case", "load_case", "open_run", "simulate"]
 # imported when they are asked for, so that the command line answers at once
 _WHERE = {
+    "Sweep": "debrisflow.study.sweep",
     "build_case": "debrisflow.case",
     "load_case": "debrisflow.case",
     "open_run": "debrisflow.results",

@@ -12,6 +12,7 @@ from debrisflow.case.problems import Problem, by_name, translate
 from debrisflow.case.text_checks import plain_texts
 from debrisflow.case.toml_text import fault_of_structure
 from debrisflow.errors import CaseError
+from debrisflow.study.checks import problems_of
 from debrisflow.study.tables import Study
 
 
@@ -33,7 +34,7 @@ def load_study(path: Path | str) -> Study:
     except ValidationError as error:
         faults = [translate(one, data, Study) for one in error.errors(include_url=False)]
         raise _refused(path, data, [*filter(None, faults), *unread]) from error
-    if problems := [*unread, *plain_texts(data)]:
+    if problems := [*unread, *plain_texts(data), *problems_of(study)]:
         raise _refused(path, data, problems)
     return study
 
