@@ -14,8 +14,6 @@ from debrisflow.case.fields import NAME_PATTERN, NONE, Series, Table, quantity
 Floats = NDArray[np.float64]
 Value = float | str
 """Of a parameter: a number, or a word, as the name of a law or of a file."""
-Values = dict[str, Value]
-"""Of all parameters of a member, by their names."""
 
 
 class Parameter(Table):

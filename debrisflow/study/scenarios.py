@@ -11,7 +11,8 @@ from pathlib import Path
 from debrisflow.case.words import did_you_mean, either
 from debrisflow.errors import CaseError
 from debrisflow.files import text_of
-from debrisflow.study.distributions import AnyParameter, Choice, Continuous, Value, Values
+from debrisflow.study.distributions import AnyParameter, Choice, Continuous, Value
+from debrisflow.study.member import Values
 
 LABEL = "scenario"  # a column for the reader of the file
 
@@ -76,8 +77,8 @@ def _expect_columns(path: Path, header: Sequence[str], names: Sequence[str]) -> 
             raise CaseError(f"{path}: has two columns '{name}'")
         if name not in names and name != LABEL:
             raise CaseError(
-                f"{path}: column '{name}': no parameter has this name{did_you_mean(name, names)}; "
-                f"a column '{LABEL}' may hold what the rows are called"
+                f"{path}: column '{name}': no parameter has this name, and only '{LABEL}' may hold "
+                f"words for the reader{did_you_mean(name, names)}"
             )
 
 
