@@ -1,0 +1,1 @@
+"""Pictures of what the parameters of a study do to its quantities."""

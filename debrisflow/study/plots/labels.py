@@ -1,0 +1,39 @@
+"""How quantities and parameters are called in pictures, with their units."""
+
+from __future__ import annotations
+
+from debrisflow.case.problems import locate, unit_of
+from debrisflow.study.distributions import AnyParameter, Value
+
+POWERS = str.maketrans("23", "²³")
+
+
+def label_of(name: str, unit: str) -> str:
+    """Return the name of a quantity with its unit.
+
+    Examples
+    --------
+    >>> label_of("affected_area", "m2"), label_of("equivalent_friction", "-")
+    ('affected area, m²', 'equivalent friction')
+    """
+    words = name.replace("_", " ")
+    return words if unit in ("", "-") else f"{words}, {unit.translate(POWERS)}"
+
+
+def parameter_label(parameter: AnyParameter) -> str:
+    """Return the name of a parameter with the unit of its key in a case; a factor has none."""
+    if parameter.is_factor:
+        return f"{parameter.name}, factor"
+    unit = unit_of(locate(parameter.keys[0].split(".")).field).strip()
+    return f"{parameter.name}, {unit.translate(POWERS)}" if unit else parameter.name
+
+
+def shown_value(value: Value) -> str:
+    """Return a value of a parameter, of a file without its folder.
+
+    Examples
+    --------
+    >>> shown_value(0.123456), shown_value("terrain/a.asc")
+    ('0.123', 'a.asc')
+    """
+    return f"{value:.3g}" if isinstance(value, float) else value.rpartition("/")[2]
