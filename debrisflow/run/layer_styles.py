@@ -46,7 +46,7 @@ PALETTES = {
 DARK, LIGHT = "#202020", "#f8f8f8"
 
 
-def style(name: str, unit: str, values: Floats) -> str:
+def style(name: str, unit: str, values: Floats, clear: float | None = None) -> str:
     """Return the style of a layer, the text of a ``.qml`` file.
 
     Parameters
@@ -54,14 +54,16 @@ def style(name: str, unit: str, values: Floats) -> str:
     name, unit : str
     values : float64 array
         Of its cells; nan for no data.
+    clear : float, optional
+        A value that is not shown.
     """
     known = values[np.isfinite(values)]
     low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
     if name in LIMITS:
         items = list(class_items(LIMITS[name], unit, palette_of(name)))
-        return _qml("DISCRETE", 0.8, low, high, items)
+        return pseudocolors("DISCRETE", 0.8, low, high, items, clear)
     items = [(low, f"{low:.0f} {unit}", DARK), (high, f"{high:.0f} {unit}", LIGHT)]
-    return _qml("INTERPOLATED", 1.0, low, high, items)
+    return pseudocolors("INTERPOLATED", 1.0, low, high, items, clear)
 
 
 def palette_of(name: str) -> tuple[str, ...]:
@@ -122,10 +124,29 @@ def palette(classes: Iterable[tuple[int, str, str]]) -> str:
     return _text(root)
 
 
-def _qml(
-    kind: str, opacity: float, low: float, high: float, items: Iterable[tuple[float, str, str]]
+def pseudocolors(
+    kind: str,
+    opacity: float,
+    low: float,
+    high: float,
+    items: Iterable[tuple[float, str, str]],
+    clear: float | None = None,
 ) -> str:
-    """Return a style of one band in pseudocolors, as QGIS reads it."""
+    """Return a style of one band in pseudocolors, as QGIS reads it.
+
+    Parameters
+    ----------
+    kind : str
+        ``DISCRETE`` for classes up to values, ``INTERPOLATED`` for colors at values.
+    opacity : float
+        From 0 to 1.
+    low, high : float
+        Of the values.
+    items : iterable of (float, str, str)
+        Value, label and color.
+    clear : float, optional
+        A value that is not shown.
+    """
     root = ElementTree.Element("qgis", version="3.28", styleCategories="Symbology")
     pipe = ElementTree.SubElement(root, "pipe")
     renderer = ElementTree.SubElement(
@@ -139,7 +160,15 @@ def _qml(
         classificationMin=f"{low:.9g}",
         classificationMax=f"{high:.9g}",
     )
-    ElementTree.SubElement(renderer, "rasterTransparency")
+    transparency = ElementTree.SubElement(renderer, "rasterTransparency")
+    if clear is not None:
+        ElementTree.SubElement(
+            ElementTree.SubElement(transparency, "singleValuePixelList"),
+            "pixelListEntry",
+            min=f"{clear:.9g}",
+            max=f"{clear:.9g}",
+            percentTransparent="100",
+        )
     shader = ElementTree.SubElement(
         ElementTree.SubElement(renderer, "rastershader"),
         "colorrampshader",

@@ -32,6 +32,8 @@ class Look(NamedTuple):
         Whether values below the threshold of the depth are left out.
     has_lines : bool
         Whether labelled lines are drawn between the classes: isochrones.
+    outlined : float or None
+        Value from which cells are within a thick line, in the unit.
     """
 
     title: str
@@ -40,6 +42,7 @@ class Look(NamedTuple):
     limits: Sequence[float] = ()
     is_depth: bool = False
     has_lines: bool = False
+    outlined: float | None = None
 
 
 def _look(name: str, title: str, unit: str, is_depth: bool = False) -> Look:

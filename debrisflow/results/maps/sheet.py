@@ -24,6 +24,7 @@ from debrisflow.case.rasters import MapGrid, Raster
 from debrisflow.results.fonts import families, wrapped, writable
 from debrisflow.results.maps.furniture import HALO, INK, draw_frame, draw_scale_and_north
 from debrisflow.results.maps.layers import Layer
+from debrisflow.results.maps.looks import Look
 from debrisflow.results.maps.relief import Contours, contours, hillshade
 from debrisflow.results.words import Words
 
@@ -34,6 +35,7 @@ LINE, LETTERS = 0.115, 0.052  # inch, of the text below: a line, and the mean wi
 OPAQUE = 0.85  # of a layer over the relief
 PAPER = 0.84  # gray behind the color bar: about that of the relief, so that colors are alike
 RELEASE = "#d4006a"
+OUTLINED = "#1a1a1a"
 CONTOUR = "#4a3b28"
 SHORTEST_LINE = 2.5  # cells
 LABEL_AT = (0.3, 0.7)  # shares of lines that follow each other, so that labels lie apart
@@ -99,6 +101,9 @@ def draw_map(ground: Ground, layer: Layer, text: Text, words: Words) -> Figure:
     _draw_layer(axes, ground.grid, layer)
     released = ground.release is not None and bool(np.isfinite(ground.release).any())
     _draw_outline(axes, ground.grid, np.isfinite(layer.values), INK, 0.5)
+    if layer.look.outlined is not None:
+        for color, width in (("white", 3.0), (OUTLINED, 1.6)):
+            _draw_outline(axes, ground.grid, layer.values >= layer.look.outlined, color, width)
     if ground.release is not None:
         for color, width in (("white", 2.6), (RELEASE, 1.4)):
             _draw_outline(axes, ground.grid, np.isfinite(ground.release), color, width)
@@ -107,7 +112,7 @@ def draw_map(ground: Ground, layer: Layer, text: Text, words: Words) -> Figure:
     draw_frame(axes, ground.grid, words)
     draw_scale_and_north(axes, ground.grid, size, np.isfinite(layer.values), words)
     _draw_key(figure, axes, layer, words)
-    _draw_signs(figure, axes, levels, released, words)
+    _draw_signs(figure, axes, layer.look, levels, released, words)
     return figure
 
 
@@ -294,12 +299,17 @@ def _over_paper(color: str) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _draw_signs(figure: Figure, axes: Axes, levels: Contours, released: bool, words: Words) -> None:
+def _draw_signs(
+    figure: Figure, axes: Axes, look: Look, levels: Contours, released: bool, words: Words
+) -> None:
     """Draw the key of lines below the color bar."""
     left, bottom, width, _ = axes.get_position().bounds
     whole, _ = figure.get_size_inches()
     label = words("contours each\n{interval} m", interval=f"{levels.interval:g}")
     handles: list[Artist] = [Line2D([], [], color=CONTOUR, linewidth=0.7, label=label)]
+    if look.outlined is not None:
+        text = f"{look.outlined:g} {look.unit}"
+        handles.append(Line2D([], [], color=OUTLINED, linewidth=1.6, label=text))
     if released:
         handles.append(Line2D([], [], color=RELEASE, linewidth=1.4, label=words("release")))
     draw_legend(figure, handles, (left + width + 0.1 / whole, bottom), "lower left")
