@@ -28,6 +28,7 @@ from debrisflow.study.tables import (
 
 MOST_MEMBERS = 1_000_000  # as of the designs that state their number
 ARRIVAL = "arrival"  # the layer of times
+GIVEN = ("release", "terrain")  # layers that are no results
 RANDOM = ("latin-hypercube", "sobol")  # designs of members drawn from the distributions
 
 
@@ -154,6 +155,12 @@ def _maps(study: Study) -> Problems:
     for k, wanted in enumerate(study.map):
         key = f"map.{k}"
         yield from _layer(f"{key}.layer", wanted.layer)
+        if wanted.layer in GIVEN:
+            message = "is given, not found by a run; choose a layer of the flow"
+            yield Problem(f"{key}.layer", message, wanted.layer)
+        if wanted.exceeds and wanted.layer == ARRIVAL:
+            message = "of the arrival state times with before, up to which the flow arrives"
+            yield Problem(f"{key}.exceeds", message, wanted.exceeds)
         if wanted.before and wanted.layer != ARRIVAL:
             message = f"times are of the layer '{ARRIVAL}' only, and this is '{wanted.layer}'"
             yield Problem(f"{key}.before", message, wanted.before)

@@ -1,0 +1,164 @@
+"""Pictures of the maps of a study, over the relief of its terrain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from debrisflow import __version__
+from debrisflow.case.rasters import MapGrid, Raster
+from debrisflow.results.fonts import writable
+from debrisflow.results.layers import layer_file
+from debrisflow.results.maps.layers import Layer
+from debrisflow.results.maps.looks import LOOKS, Look, Scale, scale_of
+from debrisflow.results.maps.part import part_around
+from debrisflow.results.maps.pictures import DPI
+from debrisflow.results.maps.sheet import Ground, Text, draw_map, styled
+from debrisflow.results.maps.structures import structures
+from debrisflow.results.reader import open_run
+from debrisflow.results.words import Words
+from debrisflow.study.map_grid import ARRIVAL, layer_on, terrain_on
+
+Floats = NDArray[np.float64]
+LIMITS = (0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95)
+"""Between the classes of a probability."""
+# YlOrRd of ColorBrewer, even in lightness: for readers who cannot tell red from green too
+PROBABILITY = (
+    "#ffffcc", "#ffeda0", "#fed976", "#feb24c", "#fd8d3c", "#fc4e2a", "#e31a1c", "#b10026",
+)  # fmt: skip
+PERCENT = 100.0
+
+
+class StudyMap(NamedTuple):
+    """A map over the members of a study.
+
+    Attributes
+    ----------
+    name : str
+        Of its files, without an ending.
+    title : str
+    layer : str
+        That it is made of.
+    is_share : bool
+        Whether its values are shares of the members, else values of the layer.
+    values : (rows, columns) float64 array
+        The northernmost row first; 0 where no member has the layer, of the arrival inf; nan off
+        the terrain.
+    """
+
+    name: str
+    title: str
+    layer: str
+    is_share: bool
+    values: Floats
+
+    @property
+    def reached(self) -> NDArray[np.bool_]:
+        """Return the cells that have a value to be shown."""
+        if self.layer == ARRIVAL and not self.is_share:
+            return np.isfinite(self.values)
+        return self.values > 0.0
+
+
+def draw_study_maps(
+    maps: Sequence[StudyMap],
+    folders: Sequence[Path],
+    grid: MapGrid,
+    title: str,
+    is_sample: bool,
+    target: Path,
+) -> None:
+    """Draw maps, all of them of the part that any member reaches, as PNG files.
+
+    Terrain and obstacles are those of the first member; releases are shown of all.
+
+    Parameters
+    ----------
+    maps : sequence of StudyMap
+    folders : sequence of Path
+        Of the members.
+    grid : MapGrid
+    title : str
+        Of the study.
+    is_sample : bool
+        Whether shares of the members are probabilities.
+    target : Path
+        Folder of the pictures.
+
+    Raises
+    ------
+    OutputError
+        If the folder of a member lacks a layer or its case.
+    """
+    run, words = open_run(folders[0]), Words()
+    terrain, release = terrain_on(folders[0], grid), _released(folders, grid)
+    touched = np.any([np.isfinite(release), *(one.reached for one in maps)], axis=0)
+    part = part_around(grid, touched)
+    ground = Ground(
+        terrain.cropped(*part), Raster(grid, release).cropped(*part).values, structures(run.case)
+    )
+    least = run.case.output.layer_depth
+    with styled(words):
+        for one in maps:
+            shown = np.where(one.reached, one.values, np.nan)
+            values = Raster(grid, shown).cropped(*part).values
+            lines = tuple(_source(one, grid, len(folders), least, is_sample))
+            text = Text(one.title, title if writable(title) else "-", lines)
+            layer = _share(one, values, is_sample) if one.is_share else _amount(one, values, least)
+            figure: Figure = draw_map(ground, layer, text, words)
+            made_by = {"Software": "debrisflow"}
+            figure.savefig(target / f"{one.name}.png", dpi=DPI, format="png", metadata=made_by)
+
+
+def _released(folders: Sequence[Path], grid: MapGrid) -> Floats:
+    """Return the greatest depth that any member releases, m, nan where none does."""
+    depth = np.zeros(grid.shape)
+    for folder in folders:
+        if layer_file(folder, "release") is not None:
+            np.maximum(depth, layer_on(folder, grid, "release"), out=depth)
+    return np.where(depth > 0.0, depth, np.nan)
+
+
+def _share(one: StudyMap, values: Floats, is_sample: bool) -> Layer:
+    """Return a share of the members as it is shown, in percent."""
+    title = "Probability" if is_sample else "Share of members"
+    look = Look(title, "%", PROBABILITY, outlined=PERCENT * 0.5)
+    bounds = PERCENT * np.array([0.0, *LIMITS, 1.0])
+    return Layer(one.name, look, PERCENT * values, Scale(bounds, PROBABILITY))
+
+
+def _amount(one: StudyMap, values: Floats, threshold: float) -> Layer:
+    """Return a value of the layer as it is shown; depths from a threshold on, m."""
+    look = LOOKS[one.layer]
+    least = threshold if look.is_depth else 0.0
+    shown = np.where(values >= least, values, np.nan)
+    return Layer(one.name, look, shown, scale_of(look, shown, least))
+
+
+def _source(
+    one: StudyMap, grid: MapGrid, members: int, least: float, is_sample: bool
+) -> Iterator[str]:
+    """Yield the lines below a map."""
+    yield (
+        f"{members} members on cells of {grid.cell:g} m; terrain and obstacles of the first of "
+        f"them. debrisflow {__version__}."
+    )
+    if one.is_share:
+        weighed = "Each member counts the same; cells where the share is 0 are not shown."
+        if not is_sample:
+            weighed += (
+                " The members are not drawn from the distributions of the parameters: their share "
+                "is no probability."
+            )
+        else:
+            error = PERCENT * 0.5 / np.sqrt(members)
+            weighed += (
+                f" Of as many members drawn at random the standard error is up to {error:.2g} %."
+            )
+        yield weighed
+    yield f"A member reaches a cell where its depth exceeds {least:g} m."
