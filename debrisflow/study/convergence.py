@@ -121,7 +121,7 @@ def write_convergence(parts: Sequence[Part], path: Path, title: str) -> list[Pat
     """
     write_table(path, Part._fields, HEAD, parts)
     with styled():
-        figure, (left, right) = panels(1, 2, height=2.6)
+        figure, (left, right) = panels(1, 2, height=3.6)
         table = np.array(parts, dtype=float)
         members = table[:, 0]
         columns = {name: table[:, k] for k, name in enumerate(Part._fields)}
@@ -141,7 +141,7 @@ def write_convergence(parts: Sequence[Part], path: Path, title: str) -> list[Pat
             axes.set(xlabel="members", ylabel=label)
             axes.set_ylim(bottom=0.0)
             axes.minorticks_off()
-            axes.legend()
+            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), frameon=False)
         picture = save(figure, path.with_suffix(".png"), title, [CAPTION])
     return [path, picture]
 

@@ -12,13 +12,14 @@ from debrisflow.case import ResolvedCase
 from debrisflow.case.rasters import MapGrid, Raster, has_rasterio, write_raster
 from debrisflow.errors import CaseError
 from debrisflow.results.maps.looks import LOOKS
+from debrisflow.results.reader import open_run
 from debrisflow.run.atomic import made, replaced_files
 from debrisflow.run.layer_styles import pseudocolors, style
 from debrisflow.run.layers import ENDINGS, LAYERS
 from debrisflow.study.convergence import FIRST, convergence, write_convergence
 from debrisflow.study.map_grid import ARRIVAL
 from debrisflow.study.map_pictures import LIMITS, PROBABILITY, StudyMap, draw_study_maps
-from debrisflow.study.maps import known_on, quantiles, shares_arrived, shares_over
+from debrisflow.study.maps import expect_members, known_on, quantiles, shares_arrived, shares_over
 from debrisflow.study.tables import LatinHypercube, Map, Saltelli, SobolSequence, Study
 
 SAMPLES = (LatinHypercube, SobolSequence, Saltelli)
@@ -54,18 +55,21 @@ def write_maps(
     """
     if is_sample is None:
         is_sample = isinstance(study.design, SAMPLES)
-    maps = [one for wanted in study.map for one in _maps(wanted, folders, grid, is_sample)]
-    if not maps:
+    if not any((wanted.exceeds or wanted.before or wanted.quantiles) for wanted in study.map):
         return []
+    expect_members(folders)
+    case = open_run(folders[0]).case
+    least = case.output.layer_depth
+    maps = [one for wanted in study.map for one in _maps(wanted, folders, grid, is_sample, least)]
     known = known_on(folders, grid)
     maps = [one._replace(values=np.where(known, one.values, np.nan)) for one in maps]
     made(target, is_deep=True)
     with replaced_files(target) as unfinished:
         for one in maps:
             _write(one, grid, _tags(one, study, len(folders)), unfinished)
-        draw_study_maps(maps, folders, grid, study.title, is_sample, unfinished)
+        draw_study_maps(maps, folders, grid, case, study.title, is_sample, unfinished)
         if is_sample and len(folders) > FIRST:
-            _write_convergence(study, folders, grid, unfinished)
+            _write_convergence(study, folders, grid, least, unfinished)
         return [target / file.name for file in sorted(unfinished.iterdir())]
 
 
@@ -88,16 +92,21 @@ def expect_told_apart(study: Study, case: ResolvedCase) -> None:
 
 
 def _maps(
-    wanted: Map, folders: Sequence[Path], grid: MapGrid, is_sample: bool
+    wanted: Map, folders: Sequence[Path], grid: MapGrid, is_sample: bool, least: float
 ) -> Iterator[StudyMap]:
-    """Yield the maps of an entry, without regard to where there is a terrain."""
+    """Yield the maps of an entry, without regard to where there is a terrain.
+
+    A threshold below the least depth, m, that is told from dry gives the map of that, and its
+    title says so.
+    """
     layer, count = wanted.layer, f"{len(folders)} members"
     unit, what = LAYERS[layer].unit, _lowered(LOOKS[layer].title)
     begin = "Probability that the" if is_sample else "Share of members whose"
     if wanted.exceeds:
         found = shares_over(folders, grid, layer, wanted.exceeds)
         for threshold, values in zip(wanted.exceeds, found, strict=True):
-            title = f"{begin} {what} exceeds {threshold:g} {LOOKS[layer].unit}; {count}"
+            mapped = max(threshold, least) if layer == "peak_depth" else threshold
+            title = f"{begin} {what} exceeds {mapped:g} {LOOKS[layer].unit}; {count}"
             yield StudyMap(over_name(layer, threshold), title, layer, True, values)
     if wanted.before:
         found = shares_arrived(folders, grid, wanted.before)
@@ -164,13 +173,16 @@ def _tags(one: StudyMap, study: Study, members: int) -> dict[str, str]:
     }
 
 
-def _write_convergence(study: Study, folders: Sequence[Path], grid: MapGrid, folder: Path) -> None:
+def _write_convergence(
+    study: Study, folders: Sequence[Path], grid: MapGrid, least: float, folder: Path
+) -> None:
     for wanted in study.map:
         for threshold in wanted.exceeds:
             name = over_name(wanted.layer, threshold)
             unit, title = LOOKS[wanted.layer].unit, _lowered(LOOKS[wanted.layer].title)
+            mapped = max(threshold, least) if wanted.layer == "peak_depth" else threshold
             write_convergence(
                 convergence(folders, grid, wanted.layer, threshold),
                 folder / f"{name}_convergence.csv",
-                f"Probability that the {title} exceeds {threshold:g} {unit}, by number of members",
+                f"Probability that the {title} exceeds {mapped:g} {unit}, by number of members",
             )

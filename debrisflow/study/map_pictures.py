@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from debrisflow import __version__
+from debrisflow.case import ResolvedCase
 from debrisflow.case.rasters import MapGrid, Raster
 from debrisflow.results.fonts import writable
 from debrisflow.results.layers import layer_file
@@ -20,8 +21,8 @@ from debrisflow.results.maps.part import part_around
 from debrisflow.results.maps.pictures import DPI
 from debrisflow.results.maps.sheet import Ground, Text, draw_map, styled
 from debrisflow.results.maps.structures import structures
-from debrisflow.results.reader import open_run
 from debrisflow.results.words import Words
+from debrisflow.run.layers import WHILE_DEEP
 from debrisflow.study.map_grid import ARRIVAL, layer_on, terrain_on
 
 Floats = NDArray[np.float64]
@@ -69,6 +70,7 @@ def draw_study_maps(
     maps: Sequence[StudyMap],
     folders: Sequence[Path],
     grid: MapGrid,
+    case: ResolvedCase,
     title: str,
     is_sample: bool,
     target: Path,
@@ -83,6 +85,8 @@ def draw_study_maps(
     folders : sequence of Path
         Of the members.
     grid : MapGrid
+    case : ResolvedCase
+        Of the first member.
     title : str
         Of the study.
     is_sample : bool
@@ -93,16 +97,15 @@ def draw_study_maps(
     Raises
     ------
     OutputError
-        If the folder of a member lacks a layer or its case.
+        If the folder of a member lacks a layer.
     """
-    run, words = open_run(folders[0]), Words()
-    terrain, release = terrain_on(folders[0], grid), _released(folders, grid)
+    terrain, release, words = terrain_on(folders[0], grid), _released(folders, grid), Words()
     touched = np.any([np.isfinite(release), *(one.reached for one in maps)], axis=0)
     part = part_around(grid, touched)
     ground = Ground(
-        terrain.cropped(*part), Raster(grid, release).cropped(*part).values, structures(run.case)
+        terrain.cropped(*part), Raster(grid, release).cropped(*part).values, structures(case)
     )
-    least = run.case.output.layer_depth
+    least = case.output.layer_depth
     with styled(words):
         for one in maps:
             shown = np.where(one.reached, one.values, np.nan)
@@ -158,7 +161,9 @@ def _source(
         else:
             error = PERCENT * 0.5 / np.sqrt(members)
             weighed += (
-                f" Of as many members drawn at random the standard error is up to {error:.2g} %."
+                f" Of as many members drawn at random the standard error is up to {error:.2g} "
+                "percentage points."
             )
         yield weighed
-    yield f"A member reaches a cell where its depth exceeds {least:g} m."
+    if one.layer == "peak_depth" or one.layer in WHILE_DEEP:
+        yield f"A member reaches a cell where its depth exceeds {least:g} m."

@@ -160,13 +160,22 @@ def layers_on(folders: Sequence[Path], grid: MapGrid, layer: str) -> Iterator[Fl
     OutputError
         If there is no member, or one lacks the layer.
     """
-    if not folders:
-        raise OutputError(
-            "there is no finished member, so no map can be made; members.csv says what each ended "
-            "with"
-        )
+    expect_members(folders)
     for folder in folders:
         yield layer_on(folder, grid, layer)
+
+
+def expect_members(folders: Sequence[Path]) -> None:
+    """Refuse to make maps of no members.
+
+    Raises
+    ------
+    OutputError
+    """
+    if not folders:
+        raise OutputError(
+            "there is no finished member, so no map can be made; members.csv says how each ended"
+        )
 
 
 def known_on(folders: Sequence[Path], grid: MapGrid) -> Flags:
