@@ -9,6 +9,7 @@ from matplotlib.image import imread
 from debrisflow.case.rasters import MapGrid, Raster, read_raster, write_raster
 from debrisflow.errors import CaseError, OutputError
 from debrisflow.run.folder import RunFolder
+from debrisflow.study import map_files
 from debrisflow.study.checks import problems_of
 from debrisflow.study.convergence import convergence
 from debrisflow.study.map_files import expect_told_apart, write_maps
@@ -351,6 +352,14 @@ class TestFiles:
         style = (tmp_path / "peak_depth_over_1.5m.qml").read_text()
         assert 'label="50 to 75 %"' in style
         assert 'min="0" max="0" percentTransparent="100"' in style
+
+    def test_without_rasterio_the_rasters_are_text(self, runs, tmp_path, monkeypatch):
+        monkeypatch.setattr(map_files, "has_rasterio", lambda: False)
+        written = write_maps(study_of(), runs, GRID, tmp_path)
+        assert sum(file.suffix == ".asc" for file in written) == 5
+        assert not [file for file in written if file.suffix == ".tif"]
+        values = read_raster(tmp_path / "peak_depth_over_1.5m.asc").values
+        assert np.array_equal(values, exceedance(runs, GRID, "peak_depth", 1.5), equal_nan=True)
 
     def test_members_that_are_no_sample_give_shares_and_no_convergence(self, runs, tmp_path):
         import rasterio
