@@ -30,7 +30,6 @@ or is lost.
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import random
 import resource
@@ -46,14 +45,13 @@ from pathlib import Path
 from time import monotonic, sleep
 
 import click
+from run_files import differing_files, result_files
 from torture_cases import CHANGES, write_case
 from torture_disk import fill, remove, small_file_system
 from torture_process import CHECKPOINT, LostError, Process, unfinished
 
 from debrisflow.results import open_run
 
-LEFT_OUT = {"run.log", "status.json", "run.lock", CHECKPOINT, "checkpoint_before.h5", "filler"}
-MEASURED = ("wall_", "compile_", "particle_steps_per", "seconds_per")  # of the machine, not the run
 COMPILING = 900.0  # s, for the first process, which may compile kernels
 START_UP, IN_CHECKPOINT, IN_WRITING, AT_END, STEPPING = (
     "start-up",
@@ -218,17 +216,9 @@ class Torture:
 
     def compare(self, folder: Path) -> None:
         """Compare all files with those of the run without interruption."""
-        ours, theirs = _files(folder), _files(self.reference)
         self.counts["runs compared"] += 1
-        self.counts["files compared"] += len(theirs)
-        differing = sorted(ours ^ theirs)
-        for name in sorted(ours & theirs):
-            if name == "summary.json":
-                is_same = _figures(folder / name) == _figures(self.reference / name)
-            else:
-                is_same = (folder / name).read_bytes() == (self.reference / name).read_bytes()
-            if not is_same:
-                differing.append(name)
+        self.counts["files compared"] += len(result_files(self.reference))
+        differing = differing_files(folder, self.reference)
         if differing:
             self.counts["files differing"] += len(differing) - 1
             self.fail("files differing", folder, ", ".join(differing[:10]))
@@ -401,18 +391,6 @@ class Torture:
             return None
         self.counts["full"] += 1
         return "full"
-
-
-def _files(folder: Path) -> set[str]:
-    """Return the names of the files of a run that are compared."""
-    found = (f for f in folder.rglob("*") if f.is_file() and f.name not in LEFT_OUT)
-    return {f.relative_to(folder).as_posix() for f in found}
-
-
-def _figures(summary: Path) -> dict[str, object]:
-    """Return the figures of a summary that do not depend on wall time."""
-    figures = json.loads(summary.read_text(encoding="utf-8"))
-    return {name: value for name, value in figures.items() if not name.startswith(MEASURED)}
 
 
 def _last_time(folder: Path) -> float | None:

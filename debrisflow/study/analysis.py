@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from debrisflow.run.atomic import made
 from debrisflow.run.tables import Row, write_table
-from debrisflow.study.names import TABLE
+from debrisflow.study.names import EFFECTS, MAPS, SENSITIVITY, TABLE
 from debrisflow.study.results import Results
 from debrisflow.study.sweep import Sweep, Told
 
@@ -39,7 +40,40 @@ def analyze(
     OutputError
         If the folder cannot be written.
     """
-    return [write_members(results, sweep.folder / TABLE)]
+    written = [write_members(results, sweep.folder / TABLE)]
+    if results.finished:
+        written += write_study_maps(results, sweep.folder / MAPS)
+        written += write_sensitivities(results, sweep.folder / SENSITIVITY)
+    return written
+
+
+def write_study_maps(results: Results, target: Path) -> list[Path]:
+    """Write the maps that a study asks for, and return the files; none without any."""
+    if not results.study.map:
+        return []
+    from debrisflow.study.map_files import write_maps
+    from debrisflow.study.map_grid import grid_of
+
+    grid = grid_of(results.base, results.study.area)
+    return write_maps(results.study, results.folders, grid, target)
+
+
+def write_sensitivities(results: Results, target: Path) -> list[Path]:
+    """Write and draw what the parameters do to the quantities, and return the files."""
+    from debrisflow.study.plots.drawn import draw_sensitivity
+    from debrisflow.study.sensitivity import sensitivity_table, write_sensitivity
+
+    study, points = results.study, [member.values for member in results.members]
+    quantities = {name: results.values_of(name) for name in results.units}
+    effects = sensitivity_table(study, points, quantities)
+    made(target)
+    written = [target / EFFECTS]
+    write_sensitivity(written[0], effects)
+    for name, values in quantities.items():
+        own = [one for one in effects if one.quantity == name]
+        unit = results.units[name]
+        written += draw_sensitivity(study, points, values, own, name, unit, target)
+    return written
 
 
 def write_members(results: Results, path: Path) -> Path:

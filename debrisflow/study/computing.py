@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from threading import Lock
 from time import perf_counter, sleep
@@ -26,7 +25,7 @@ PAUSE = 1.0  # s, between two looks at a member that another process computes
 _ONE_AT_A_TIME = Lock()  # the log of a run takes all messages of its process
 
 
-def compute(case: ResolvedCase, folder: Path, threads: int) -> Outcome:
+def compute(case: ResolvedCase, folder: Path, threads: int, program: str) -> Outcome:
     """Compute a member, or go on with it, and return what became of it.
 
     What was computed before is not computed again; a member that another process computes is
@@ -38,7 +37,16 @@ def compute(case: ResolvedCase, folder: Path, threads: int) -> Outcome:
     folder : Path
         Of its run.
     threads : int
+    program : str
+        By which the results are to be computed.
     """
+    from debrisflow.run import loop
+
+    if loop.program() != program:
+        message = (
+            f"its worker has {loop.program()}, not {program}; install the same on all machines"
+        )
+        return Outcome(STOPPED, message, {}, 0.0)
     with _ONE_AT_A_TIME:
         while is_locked(folder):
             sleep(PAUSE)
@@ -85,6 +93,3 @@ def _answers(folder: Path) -> dict[str, Figure]:
     return {
         row.quantity: Figure(row.value, row.unit) for row in answers(survey_of(open_run(folder)))
     }
-
-
-Compute = Callable[[ResolvedCase, Path, int], Outcome]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 MISSING = "debrisflow sweep needs packages of its own: pip install 'debrisflow[sweep]'"
-PATIENCE = "30s"  # for a scheduler that does not answer
+PATIENCE = "10s"  # for a scheduler that does not answer
 OF_A_PROCESS = 3e8  # bytes, of Python and the compiled kernels, beside the particles
 SPARE = 0.6  # share of a worker's memory beyond which a member does not fit: dask ends it at 0.95
 
@@ -41,8 +41,8 @@ def local_cluster(workers: int, threads: int) -> Iterator[Client]:
     distributed = _distributed()
     _quiet()
     memory = available_memory()
-    # Before Numba is imported there, each process would take all cores.
-    environment = {"NUMBA_NUM_THREADS": str(threads)}
+    # Read when Numba and tqdm are imported there: threads of a pool, and no bars of their own.
+    environment = {"NUMBA_NUM_THREADS": str(threads), "TQDM_DISABLE": "1"}
     with (
         _configured(environment),
         distributed.LocalCluster(
@@ -50,7 +50,7 @@ def local_cluster(workers: int, threads: int) -> Iterator[Client]:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",
             memory_limit=memory / workers if memory else "auto",
             silence_logs=logging.CRITICAL,
         ) as cluster,
@@ -138,7 +138,7 @@ def workers_of(client: Client) -> Mapping[str, Any]:
 
 
 def computed(
-    client: Client, members: Sequence[Member], threads: int
+    client: Client, members: Sequence[Member], threads: int, program: str
 ) -> Iterator[tuple[Member, Outcome]]:
     """Compute members, and yield each with what became of it, in the order in which they end.
 
@@ -151,6 +151,8 @@ def computed(
     members : sequence of Member
     threads : int
         Of each.
+    program : str
+        That the workers must have.
     """
     from distributed import as_completed
 
@@ -159,7 +161,12 @@ def computed(
         alike.setdefault(member.digest, []).append(member)
     futures = {
         digest: client.submit(
-            compute, same[0].case, same[0].folder.absolute(), threads, key=f"member-{digest}"
+            compute,
+            same[0].case,
+            same[0].folder.absolute(),
+            threads,
+            program,
+            key=f"member-{digest}",
         )
         for digest, same in alike.items()
     }

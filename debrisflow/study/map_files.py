@@ -8,9 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from debrisflow import __version__
-from debrisflow.case import ResolvedCase
 from debrisflow.case.rasters import MapGrid, Raster, has_rasterio, write_raster
-from debrisflow.errors import CaseError
 from debrisflow.results.maps.looks import LOOKS
 from debrisflow.results.reader import open_run
 from debrisflow.run.atomic import made, replaced_files
@@ -71,24 +69,6 @@ def write_maps(
         if is_sample and len(folders) > FIRST:
             _write_convergence(study, folders, grid, least, unfinished)
         return [target / file.name for file in sorted(unfinished.iterdir())]
-
-
-def expect_told_apart(study: Study, case: ResolvedCase) -> None:
-    """Refuse thresholds of the peak depth that the layers of a case cannot tell from dry.
-
-    Raises
-    ------
-    CaseError
-    """
-    least = case.output.layer_depth
-    for number, wanted in enumerate(study.map):
-        low = [threshold for threshold in wanted.exceeds if threshold < least]
-        if wanted.layer == "peak_depth" and low:
-            raise CaseError(
-                f"map.{number}.exceeds = {low[0]:g} m: depths up to output.layer_depth = "
-                f"{least:g} m are not told from dry; take {least:g} m or more, or set "
-                "output.layer_depth to less"
-            )
 
 
 def _maps(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.case import ResolvedCase
+from debrisflow.run.layers import LAYERS
 from debrisflow.study.member import Member
 from debrisflow.study.outcome import FINISHED, Figure, Outcome
 from debrisflow.study.quantities import quantities_of
@@ -107,3 +108,40 @@ class Results:
         states = ("member", np.array([outcome.state for outcome in self.outcomes]))
         numbers = [one.number for one in self.members]
         return xarray.Dataset(inputs | found | {"state": states}, coords={"member": numbers})
+
+    def layer(self, name: str) -> xarray.DataArray:
+        """Return a layer of all finished members, read when it is computed.
+
+        Parameters
+        ----------
+        name : str
+            Of :data:`debrisflow.run.layers.LAYERS`.
+
+        Returns
+        -------
+        xarray.DataArray
+            Over ``member``, ``y`` from north to south and ``x``, m, on the grid of the maps; 0
+            where nothing flowed, inf of the arrival.
+
+        Raises
+        ------
+        OutputError
+            If no member is finished.
+        """
+        import dask.array
+        import xarray
+        from dask.delayed import delayed
+
+        from debrisflow.results.flow_path import centers
+        from debrisflow.study.map_grid import grid_of, layer_on
+
+        grid = grid_of(self.base, self.study.area)
+        parts = [
+            dask.array.from_delayed(delayed(layer_on)(folder, grid, name), grid.shape, float)
+            for folder in self.folders
+        ]
+        x, y = centers(grid)
+        numbers = [one.number for one in self.finished]
+        coords = {"member": numbers, "y": y, "x": x}
+        unit = {"units": LAYERS[name].unit}
+        return xarray.DataArray(dask.array.stack(parts), coords, ("member", "y", "x"), name, unit)

@@ -16,6 +16,7 @@ from debrisflow.run.lock import locked
 from debrisflow.study.designs import points_of
 from debrisflow.study.engine import computed, connected, expect_fit, local_cluster, workers_for
 from debrisflow.study.loading import load_study
+from debrisflow.study.map_checks import expect_told_apart
 from debrisflow.study.member import Cases, Member, Values, members_of
 from debrisflow.study.names import MEMBERS, PLAN
 from debrisflow.study.outcome import Outcome, read_outcome
@@ -56,6 +57,7 @@ class Sweep:
         self.study, self.folder = study, Path(folder)
         self.store = Path(store) if store is not None else self.folder / MEMBERS
         self.cases = Cases(study)
+        expect_told_apart(study, self.cases.base)
         self._further: list[Member] = []
 
     @classmethod
@@ -161,7 +163,7 @@ class Sweep:
         for member in members:
             if told and member.number in found:
                 told(member, found[member.number])
-        for member, outcome in computed(client, left, threads):
+        for member, outcome in computed(client, left, threads, self._program):
             found[member.number] = outcome
             if told:
                 told(member, outcome)

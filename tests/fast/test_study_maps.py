@@ -12,7 +12,8 @@ from debrisflow.run.folder import RunFolder
 from debrisflow.study import map_files
 from debrisflow.study.checks import problems_of
 from debrisflow.study.convergence import convergence
-from debrisflow.study.map_files import expect_told_apart, write_maps
+from debrisflow.study.map_checks import expect_told_apart
+from debrisflow.study.map_files import write_maps
 from debrisflow.study.map_grid import grid_of, layer_on
 from debrisflow.study.maps import arrival_probability, exceedance, quantile_map, quantiles
 from debrisflow.study.tables import Map, MapArea, Study
