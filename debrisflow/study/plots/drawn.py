@@ -73,9 +73,9 @@ def draw_sensitivity(
     with styled():
         figures: dict[str, tuple[str, Figure, str]] = {
             "tornado": (
-                f"How far each parameter moves: {words}",
+                f"Change by each parameter: {words}",
                 tornado_figure(study, points, values, name, unit),
-                explanation(study),
+                explanation(study, values),
             )
         }
         if not isinstance(study.design, OneAtATime):
