@@ -27,7 +27,8 @@ LEAST_MEMBERS = 32  # of RBD-FAST
 OF_HALVES = 0.5**0.5  # its bootstrap draws half as many members as there are, which scatter more
 LEAST_BLOCKS = 2  # from which there is a scatter
 HEAD = (
-    "S1: share of the variance that the parameter makes alone; ST: with all its interactions",
+    "S1: share of the variance that the parameter makes alone, or with those that are correlated "
+    "with it; ST: with all its interactions",
     "mu_star: mean size of the change of the quantity per change of the parameter, as a share of "
     "all its values below, by 1; sigma: standard deviation of these changes",
     "range: greatest less least value with the others at their medians",

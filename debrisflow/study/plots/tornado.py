@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow.results.plots.style import BLUE, GRAY, ORANGE, panels
 from debrisflow.study.designs import numbers_of
-from debrisflow.study.distributions import AnyParameter, Choice
+from debrisflow.study.distributions import AnyParameter, Choice, Value
 from debrisflow.study.member import Values
 from debrisflow.study.plots.labels import is_of_words, label_of, parameter_label, shown_value
 from debrisflow.study.sensitivity import moved_alone
@@ -166,15 +166,16 @@ def _ends_of_fifths(
 
 def _ends_of_list(parameter: Choice, numbers: Floats, values: Floats, there: Chosen) -> Ends:
     """Return the lowest and the highest number, or the words with the least and greatest mean."""
+    listed: Sequence[Value] = parameter.values
     ends = [
         End(shown_value(value), _mean(values[there & (numbers == k)]))
-        for k, value in enumerate(parameter.values)
+        for k, value in enumerate(listed)
     ]
     if is_of_words(parameter):
         ends = [end for end in ends if np.isfinite(end.value)] or [MISSING]
         order = np.argsort([end.value for end in ends], kind="stable")
     else:
-        order = np.argsort(np.array(parameter.values, dtype=np.float64), kind="stable")
+        order = np.argsort(np.array(listed, dtype=np.float64), kind="stable")
     return Ends(parameter, ends[order[0]], ends[order[-1]])
 
 
