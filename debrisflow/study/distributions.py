@@ -43,10 +43,9 @@ class Continuous(Parameter):
 
     @property
     def range(self) -> tuple[float, float]:
-        """The values between which 99 in 100 lie; of a bounded distribution its bounds."""
-        low, high = self.law.support()
-        lower, upper = self.law.ppf([0.005, 0.995])
-        return (low if np.isfinite(low) else lower), (high if np.isfinite(high) else upper)
+        """The values between which 99 in 100 lie; of the bounded ones all."""
+        low, high = self.law.ppf([0.005, 0.995])
+        return float(low), float(high)
 
     def at(self, share: float) -> float:
         """Return the value below which a share of all lies.
@@ -70,6 +69,11 @@ class Uniform(Continuous):
     def law(self) -> Any:
         """The distribution."""
         return stats.uniform(self.low, self.high - self.low)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The bounds."""
+        return self.low, self.high
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -129,6 +133,11 @@ class Triangular(Continuous):
         """The distribution."""
         span = self.high - self.low
         return stats.triang((self.likely - self.low) / span, self.low, span)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The bounds."""
+        return self.low, self.high
 
     @model_validator(mode="after")
     def _check(self) -> Self:

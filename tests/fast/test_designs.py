@@ -147,6 +147,15 @@ def test_a_grid_has_every_combination_with_both_ends():
     assert {point["dem"] for point in points} == set(WORDS["values"])
 
 
+@pytest.mark.parametrize("parameter", [LOGNORMAL, NORMAL | {"low": 0.0}])
+def test_the_end_of_a_range_is_no_bound_that_is_never_reached(parameter):
+    found = columns([parameter], GRID)[:, 0]
+
+    median = 1.0 if parameter is LOGNORMAL else 20.0
+    assert found[1] == pytest.approx(median)
+    assert 0.4 * median < found[0] < median < found[2] < 2.2 * median
+
+
 def test_one_at_a_time_moves_each_parameter_from_the_medians():
     base, *others = points_of(study([UNIFORM, LOGNORMAL, WORDS], ONE))
 

@@ -20,6 +20,7 @@ from debrisflow.study.tables import OneAtATime, Study
 
 Floats = NDArray[np.float64]
 OF_SHARES = "A share may come out below 0 or above 1 within its confidence."
+OF_CORRELATED = "It holds what the parameters make too that are correlated with this one."
 OF_MORRIS = (
     "Effects: change of the quantity per change of the parameter, as a share of all its values "
     "below, by 1. A large sigma beside mu*: not linear, or together with other parameters. "
@@ -73,9 +74,9 @@ def draw_sensitivity(
     with styled():
         figures: dict[str, tuple[str, Figure, str]] = {
             "tornado": (
-                f"How far each parameter moves: {words}",
+                f"Change by each parameter: {words}",
                 tornado_figure(study, points, values, name, unit),
-                explanation(study),
+                explanation(study, values),
             )
         }
         if not isinstance(study.design, OneAtATime):
@@ -85,7 +86,8 @@ def draw_sensitivity(
         measures = {one.measure for one in effects if np.isfinite(one.value)}
         if "S1" in measures:
             title = f"Shares of the variance: {words} ({effects[0].method})"
-            figures["shares"] = (title, shares_figure(effects), OF_SHARES)
+            text = f"{OF_SHARES} {OF_CORRELATED}" if study.correlation else OF_SHARES
+            figures["shares"] = (title, shares_figure(effects), text)
         if "mu_star" in measures:
             title = f"Elementary effects (Morris): {words}"
             figures["morris"] = (title, morris_figure(effects, unit), OF_MORRIS)

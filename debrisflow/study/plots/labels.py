@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from debrisflow.case.problems import locate, unit_of
-from debrisflow.study.distributions import AnyParameter, Value
+from debrisflow.study.distributions import AnyParameter, Choice, Value
 
 POWERS = str.maketrans("23", "²³")
 
@@ -37,3 +37,8 @@ def shown_value(value: Value) -> str:
     ('0.123', 'a.asc')
     """
     return f"{value:.3g}" if isinstance(value, float) else value.rpartition("/")[2]
+
+
+def is_of_words(parameter: AnyParameter) -> bool:
+    """Return whether the values of a parameter are words, of which none is lower or higher."""
+    return isinstance(parameter, Choice) and isinstance(parameter.values[0], str)

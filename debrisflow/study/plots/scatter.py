@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -13,13 +12,17 @@ from debrisflow.results.plots.style import BLUE, ORANGE, panels
 from debrisflow.study.designs import numbers_of
 from debrisflow.study.distributions import Choice
 from debrisflow.study.member import Values
-from debrisflow.study.plots.labels import label_of, parameter_label, shown_value
+from debrisflow.study.plots.labels import is_of_words, label_of, parameter_label, shown_value
 from debrisflow.study.tables import Study
 
 Floats = NDArray[np.float64]
 COLUMNS = 3
 FIFTHS, LEAST_MEMBERS = 5, 20  # of a line of means
-EXPLANATION = "A point a member; line: means over fifths of the members, by the parameter."
+MOST_LEVELS = 10  # values of a parameter up to which each has a mean of its own
+EXPLANATION = (
+    "A dot a member; orange: means over fifths of the members, by the parameter, or at each of its "
+    "values where these are few."
+)
 
 
 def scatter_figure(
@@ -44,12 +47,13 @@ def scatter_figure(
     for k, (parameter, panel) in enumerate(zip(study.parameter, axes, strict=False)):
         numbers = numbers_of(parameter, points)
         panel.plot(numbers[there], values[there], ".", color=BLUE, alpha=0.5, markersize=4)
+        if there.sum() >= LEAST_MEMBERS:
+            line = "o" if is_of_words(parameter) else "-o"
+            panel.plot(*_means(numbers[there], values[there]), line, color=ORANGE, markersize=3)
         if isinstance(parameter, Choice):
             labels = [shown_value(value) for value in parameter.values]
             panel.set_xticks(range(len(labels)), labels)
             panel.set_xlim(-0.5, len(labels) - 0.5)
-        elif there.sum() >= LEAST_MEMBERS:
-            _draw_means(panel, numbers[there], values[there])
         panel.set_xlabel(parameter_label(parameter))
         if k % columns == 0:
             panel.set_ylabel(label_of(name, unit))
@@ -58,7 +62,14 @@ def scatter_figure(
     return figure
 
 
-def _draw_means(axes: Axes, numbers: Floats, values: Floats) -> None:
-    parts = np.array_split(np.argsort(numbers, kind="stable"), FIFTHS)
-    means = [(numbers[part].mean(), values[part].mean()) for part in parts]
-    axes.plot(*zip(*means, strict=True), "-o", color=ORANGE, markersize=3)
+def _means(numbers: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Return the means of parts of the members: their parameter, their quantity."""
+    levels = np.unique(numbers)
+    if len(levels) <= MOST_LEVELS:
+        parts = [np.flatnonzero(numbers == level) for level in levels]
+    else:
+        parts = np.array_split(np.argsort(numbers, kind="stable"), FIFTHS)
+    of_numbers, of_values = (
+        np.array([row[part].mean() for part in parts]) for row in (numbers, values)
+    )
+    return of_numbers, of_values

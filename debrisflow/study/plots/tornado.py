@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from debrisflow.results.plots.style import BLUE, GRAY, ORANGE, panels
 from debrisflow.study.designs import numbers_of
-from debrisflow.study.distributions import AnyParameter, Choice
+from debrisflow.study.distributions import AnyParameter, Choice, Value
 from debrisflow.study.member import Values
-from debrisflow.study.plots.labels import label_of, parameter_label, shown_value
+from debrisflow.study.plots.labels import is_of_words, label_of, parameter_label, shown_value
 from debrisflow.study.sensitivity import moved_alone
 from debrisflow.study.tables import OneAtATime, Study
 
@@ -27,7 +27,7 @@ OF_ENDS = "the bars end at the quantity with one parameter at its low or high en
 OF_FIFTHS = (
     "the bars end at the mean over the fifth of the members with the lowest or highest value"
 )
-OF_LISTS = "of a list of values they end at the value with the least and the greatest mean"
+OF_WORDS = "of a list of words they end at the one with the least and with the greatest mean"
 
 
 class End(NamedTuple):
@@ -52,10 +52,10 @@ class Ends(NamedTuple):
     low: End
     high: End
 
-    @property
-    def size(self) -> float:
-        """How far the ends are apart; nan if one is missing."""
-        return abs(self.high.value - self.low.value)
+    def size(self, middle: float) -> float:
+        """Return how far apart the ends are, and the middle, as far as they are there."""
+        there = [one for one in (self.low.value, self.high.value, middle) if np.isfinite(one)]
+        return max(there) - min(there) if there else 0.0
 
 
 MISSING = End("", np.nan)
@@ -76,8 +76,8 @@ def tornado_figure(
     name, unit : str
         Of the quantity.
     """
-    ends = sorted(ends_of(study, points, values), key=lambda one: np.nan_to_num(one.size))
     middle = middle_of(study, values)
+    ends = sorted(ends_of(study, points, values), key=lambda one: one.size(middle))
     figure, (axes,) = panels(1, height=max(LEAST_HEIGHT, OF_ROW * len(ends) + 0.8))
     for row, one in enumerate(ends):
         _draw(axes, row, one, middle)
@@ -87,29 +87,33 @@ def tornado_figure(
     axes.grid(axis="y", visible=False)
     axes.margins(x=0.12)
     axes.set_xlabel(label_of(name, unit))
-    sides = [("at its low end", BLUE), ("at its high end", ORANGE), ("of a list of words", GRAY)]
+    sides = [("at its low end", BLUE), ("at its high end", ORANGE), ("one of its words", GRAY)]
     words = any(is_of_words(one.parameter) for one in ends)
     handles = [Patch(color=color, label=label) for label, color in sides[: 3 if words else 2]]
     figure.legend(handles=handles, loc="outside upper right", ncols=3, frameon=False)
     return figure
 
 
-def explanation(study: Study) -> str:
-    """Return what the bars of a tornado plot are, for its caption."""
+def explanation(study: Study, values: Floats) -> str:
+    """Return what the line and the bars of a tornado plot are, for its caption."""
+    alone = isinstance(study.design, OneAtATime)
+    line = "all parameters at their medians" if alone else "mean of all members"
+    if alone and np.isnan(values[0]):
+        line = "mean of all members, as there is no value with all parameters at their medians"
     if isinstance(study.design, OneAtATime):
         low, high = (f"{100 * share:g} %" for share in study.design.shares)
-        what = f"{OF_ENDS}their medians; ends: {low} and {high} of all values are below"
-        return f"Line: all parameters at their medians; {what}."
-    lists = f"; {OF_LISTS}" if any(isinstance(one, Choice) for one in study.parameter) else ""
-    return f"Line: mean of all members; {OF_FIFTHS} of the parameter{lists}."
+        return (
+            f"Line: {line}; {OF_ENDS}their medians; ends: {low} and {high} of all values are below."
+        )
+    words = f"; {OF_WORDS}" if any(is_of_words(one) for one in study.parameter) else ""
+    return f"Line: {line}; {OF_FIFTHS} of the parameter{words}."
 
 
 def middle_of(study: Study, values: Floats) -> float:
     """Return the quantity of the base of a design of one at a time, of others the mean."""
-    if isinstance(study.design, OneAtATime):
+    if isinstance(study.design, OneAtATime) and np.isfinite(values[0]):
         return float(values[0])
-    there = values[np.isfinite(values)]
-    return float(there.mean()) if there.size else np.nan
+    return _mean(values[np.isfinite(values)])
 
 
 def ends_of(study: Study, points: Sequence[Values], values: Floats) -> list[Ends]:
@@ -161,42 +165,46 @@ def _ends_of_fifths(
 
 
 def _ends_of_list(parameter: Choice, numbers: Floats, values: Floats, there: Chosen) -> Ends:
-    """Return the values with the least and the greatest mean; numbers in their order."""
-    means = [_mean(values[there & (numbers == k)]) for k in range(len(parameter.values))]
-    if np.isnan(means).all():
-        return Ends(parameter, MISSING, MISSING)
-    pair = [int(np.nanargmin(means)), int(np.nanargmax(means))]
-    if not is_of_words(parameter):
-        pair.sort(key=lambda k: float(parameter.values[k]))
-    low, high = (End(shown_value(parameter.values[k]), means[k]) for k in pair)
-    return Ends(parameter, low, high)
+    """Return the lowest and the highest number, or the words with the least and greatest mean."""
+    listed: Sequence[Value] = parameter.values
+    ends = [
+        End(shown_value(value), _mean(values[there & (numbers == k)]))
+        for k, value in enumerate(listed)
+    ]
+    if is_of_words(parameter):
+        ends = [end for end in ends if np.isfinite(end.value)] or [MISSING]
+        order = np.argsort([end.value for end in ends], kind="stable")
+    else:
+        order = np.argsort(np.array(listed, dtype=np.float64), kind="stable")
+    return Ends(parameter, ends[order[0]], ends[order[-1]])
 
 
 def _mean(values: Floats) -> float:
     return float(values.mean()) if values.size else np.nan
 
 
-def is_of_words(parameter: AnyParameter) -> bool:
-    """Return whether the values of a parameter are words, of which none is lower or higher."""
-    return isinstance(parameter, Choice) and isinstance(parameter.values[0], str)
-
-
 def _draw(axes: Axes, row: int, ends: Ends, middle: float) -> None:
     """Draw the bars of one parameter; beside each other where both go the same way."""
     colors = (GRAY, GRAY) if is_of_words(ends.parameter) else (BLUE, ORANGE)
-    beside = (ends.low.value - middle) * (ends.high.value - middle) > 0.0
-    for end, color, side in ((ends.low, colors[0], -1), (ends.high, colors[1], 1)):
-        away = end.value - middle
-        if not np.isfinite(away):
-            continue
-        place = row + 0.19 * side if beside else row
-        axes.barh(place, away, 0.36 if beside else 0.6, left=middle, color=color)
-        axes.annotate(
-            end.label,
-            (end.value, place),
-            xytext=(3 if away >= 0.0 else -3, 0),
-            textcoords="offset points",
-            ha="left" if away >= 0.0 else "right",
-            va="center",
-            fontsize=7,
-        )
+    away = ends.low.value - middle, ends.high.value - middle
+    beside = away[0] * away[1] > 0.0
+    for k, end in enumerate((ends.low, ends.high)):
+        place = row + 0.19 * (2 * k - 1) if beside else row
+        if np.isfinite(end.value):
+            axes.barh(place, away[k], 0.36 if beside else 0.6, left=middle, color=colors[k])
+            _write(axes, end.label, end.value, place, is_right=away[k] >= 0.0)
+        elif end.label:
+            _write(axes, f"{end.label}: no value", middle, place, is_right=not away[1 - k] >= 0.0)
+
+
+def _write(axes: Axes, text: str, x: float, y: float, is_right: bool) -> None:
+    """Write a text to the right or the left of a place."""
+    axes.annotate(
+        text,
+        (x, y),
+        xytext=(3 if is_right else -3, 0),
+        textcoords="offset points",
+        ha="left" if is_right else "right",
+        va="center",
+        fontsize=7,
+    )
