@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from debrisflow.run.tables import Row, write_table
 from debrisflow.study.names import TABLE
+from debrisflow.study.report import study_report
 from debrisflow.study.results import Results
 from debrisflow.study.sweep import Sweep, Told
 
@@ -39,7 +40,8 @@ def analyze(
     OutputError
         If the folder cannot be written.
     """
-    return [write_members(results, sweep.folder / TABLE)]
+    written = [write_members(results, sweep.folder / TABLE)]
+    return [*written, study_report(results, sweep.folder)]
 
 
 def write_members(results: Results, path: Path) -> Path:

@@ -12,7 +12,9 @@ from debrisflow.errors import OutputError
 from debrisflow.results.html import Picture, is_picture, picture_of
 from debrisflow.run.reading import text_of
 
-MOST_ROWS = 60  # of a table on the page
+MOST_ROWS = 60  # of a table that is shown on the page
+FIRST = ("summary", "extents")  # tables that answer, before those that they come from
+STYLES = (".qml",)  # of rasters beside them
 
 
 class Link(NamedTuple):
@@ -33,16 +35,16 @@ class Table(NamedTuple):
         The comments at its head.
     columns : list of str
     rows : list of list of str
-        The first of all.
-    left_out : int
-        How many more there are.
+        None where there are too many to be shown.
+    length : int
+        How many there are.
     """
 
     link: Link
     notes: list[str]
     columns: list[str]
     rows: list[list[str]]
-    left_out: int
+    length: int
 
 
 class Attachments(NamedTuple):
@@ -77,10 +79,8 @@ def attachments(folder: Path) -> Attachments:
         There may be none.
     """
     found = Attachments([], [], [], [])
-    for file in sorted(folder.iterdir()) if folder.is_dir() else ():
+    for file in _files(folder):
         link = Link(file.name, quote(f"{folder.name}/{file.name}"))
-        if not file.is_file() or file.name.startswith("."):
-            continue
         if file.suffix == ".png" and is_picture(file):
             name = file.stem.replace("_", " ")
             found.pictures.append(picture_of(file, name, name))
@@ -94,20 +94,27 @@ def attachments(folder: Path) -> Attachments:
     return found
 
 
+def _files(folder: Path) -> list[Path]:
+    """Return the files of a folder, in the order in which the page shows them."""
+    found = [file for file in folder.iterdir() if file.is_file()] if folder.is_dir() else []
+    shown = [file for file in found if file.suffix not in STYLES and not file.name.startswith(".")]
+    return sorted(shown, key=lambda file: (file.stem not in FIRST, file.name))
+
+
 def table_of(text: str, link: Link) -> Table:
-    r"""Return the first rows of a table, in the form of all tables of runs, from its text.
+    r"""Return a table, in the form of all tables of runs, from its text.
 
     Examples
     --------
     >>> table_of("# of what\nname,value\nmu,0.123456789\n", Link("a", "a.csv"))[1:]
-    (['of what'], ['name', 'value'], [['mu', '0.1235']], 0)
+    (['of what'], ['name', 'value'], [['mu', '0.1235']], 1)
     """
     lines = text.splitlines()
     notes = [line.removeprefix("#").strip() for line in lines if line.startswith("#")]
     rest = "\n".join(line for line in lines if not line.startswith("#"))
     columns, *rows = list(csv.reader(StringIO(rest))) or [[]]
-    shown = [[_shortened(cell) for cell in row] for row in rows[:MOST_ROWS]]
-    return Table(link, notes, columns, shown, max(len(rows) - MOST_ROWS, 0))
+    shown = [[_shortened(cell) for cell in row] for row in rows if len(rows) <= MOST_ROWS]
+    return Table(link, notes, columns, shown, len(rows))
 
 
 def _shortened(cell: str) -> str:

@@ -9,9 +9,12 @@ from numpy.typing import NDArray
 
 from debrisflow.study.checks import ARRIVAL
 from debrisflow.study.results import Results
+from debrisflow.study.tables import Quantity
 
 Floats = NDArray[np.float64]
 SHARES = (0.05, 0.5, 0.95)
+EARLY = ("_arrival", "_overtopping_time")
+"""Ends of the names of answers that are times at which something comes."""
 SAMPLES = ("latin-hypercube", "sobol", "saltelli")
 """Designs whose members are drawn from the distributions, so that shares are probabilities."""
 
@@ -53,22 +56,22 @@ class Summary:
 
 def summaries(results: Results) -> list[Summary]:
     """Return the quantities of a study over its members, in the order of the study."""
-    early = {one.called for one in results.study.quantity if is_arrival(one.layer or one.answer)}
+    early = {one.called for one in results.study.quantity if is_early(one)}
     return [
         summary(name, unit, results.values_of(name), name in early)
         for name, unit in results.units.items()
     ]
 
 
-def is_arrival(what: str | None) -> bool:
-    """Return whether an answer or a layer is a time of arrival, of which the least is the worst.
+def is_early(quantity: Quantity) -> bool:
+    """Return whether a quantity is a time at which something comes, so that the least is worst.
 
     Examples
     --------
-    >>> is_arrival("arrival"), is_arrival("peak_depth")
+    >>> is_early(Quantity(answer="road_arrival")), is_early(Quantity(answer="arrival_latest"))
     (True, False)
     """
-    return ARRIVAL in (what or "").split("_")
+    return quantity.layer == ARRIVAL or (quantity.answer or "").endswith(EARLY)
 
 
 def summary(name: str, unit: str, values: Floats, least_is_worst: bool = False) -> Summary:

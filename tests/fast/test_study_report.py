@@ -8,13 +8,13 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 
-from debrisflow.study.attachments import MOST_ROWS, Link, attachments, table_of
+from debrisflow.study.attachments import MOST_ROWS, attachments
 from debrisflow.study.member import Member
 from debrisflow.study.outcome import FAILED, FINISHED, Figure, Outcome
 from debrisflow.study.report import study_report
 from debrisflow.study.results import Results
-from debrisflow.study.statistics import is_arrival, summary
-from debrisflow.study.tables import Study
+from debrisflow.study.statistics import is_early, summary
+from debrisflow.study.tables import Quantity, Study
 from tests.recording import channel_case
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -246,11 +246,20 @@ def test_no_member_may_have_a_result(tmp_path):
     assert row(page, "failed") == ["1"]
 
 
-def test_long_tables_are_cut_and_say_so():
-    text = "a,b\n" + "".join(f"{k},1\n" for k in range(MOST_ROWS + 5))
-    table = table_of(text, Link("t", "t"))
-    assert len(table.rows) == MOST_ROWS
-    assert table.left_out == 5
+def test_long_tables_are_linked_and_counted_only(filled):
+    text = "a,b\n" + "".join(f"row{k},1\n" for k in range(MOST_ROWS + 1))
+    (filled / "calibration/posterior.csv").write_text(text)
+    page = page_of(filled)
+    assert f"{MOST_ROWS + 1} rows." in page
+    assert "row0" not in page
+
+
+def test_what_answers_stands_before_what_it_comes_from(tmp_path):
+    for name in ("runs.csv", "summary.csv", "emulator.csv", "x.qml"):
+        (tmp_path / name).write_text("a\n1\n")
+    found = attachments(tmp_path)
+    assert [one.link.name for one in found.tables] == ["summary.csv", "emulator.csv", "runs.csv"]
+    assert found.links == []
 
 
 def test_a_folder_that_is_not_there_has_nothing(tmp_path):
@@ -268,8 +277,9 @@ def test_one_member_has_no_deviation():
     assert np.isnan(summary("x", "m", np.array([1.0, np.nan])).deviation)
 
 
-def test_times_of_arrival_are_known_by_their_names():
-    assert is_arrival("arrival")
-    assert is_arrival("dam_arrival")
-    assert not is_arrival("peak_depth")
-    assert not is_arrival(None)
+def test_times_at_which_something_comes_are_known():
+    place = {"name": "town", "at": [0.0, 0.0]}
+    assert is_early(Quantity(layer="arrival", **place))
+    assert not is_early(Quantity(layer="peak_depth", **place))
+    assert is_early(Quantity(answer="dam_overtopping_time"))
+    assert not is_early(Quantity(answer="runout_length"))
