@@ -4,8 +4,8 @@ An HTML comment before a block says how it is run here:
 
 - ``<!-- test: time.end=1 -->`` gives the block's cases these values (``--set``), so that they end
   soon.  Times in the options of later commands are scaled to the shorter run.
-- ``<!-- test: tables of check_dam3d -->`` checks tables in a shipped case, in place of its own.
-- ``<!-- test: study -->`` checks the file of a study, beside the shipped ones.
+- ``<!-- test: tables of check_dam3d -->`` checks tables in a shipped case, in place of its own, and
+  ``tables of studies/fan`` in a shipped study.
 - ``<!-- test: slurm -->`` is a program for a cluster, see ``test_docs_slurm.py``.
 
 Of ``debrisflow sweep`` the values are those of the study's own keys.
@@ -55,7 +55,7 @@ OPEN = "python3 -m webbrowser "
 TESTS = 'pytest -m "not validation" -n 2 --dist loadfile'
 PROMPT = "source .venv/bin/activate"
 TIMES = ("--times", "--window")
-SLURM, STUDY = "slurm", "study"
+SLURM = "slurm"
 
 
 class Block(NamedTuple):
@@ -192,12 +192,12 @@ def test_cases_are_valid(page, folder):
         if block.language != "toml":
             continue
         given = tomllib.loads(block.text)
-        if block.note == STUDY:
-            load_study(write_case(folder / "cases/studies/block.toml", given))
-            continue
         if "title" not in given:
             base = folder / "cases" / f"{block.note.removeprefix('tables of ')}.toml"
             given = tomllib.loads(base.read_text(encoding="utf-8")) | given
+        if "design" in given:
+            load_study(write_case(folder / "cases/studies/block.toml", given))
+            continue
         if given["geometry"]["type"] == "terrain":
             write_map(folder)
         load_case(write_case(folder / "block.toml", given))
