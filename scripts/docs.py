@@ -2,10 +2,10 @@
 
 python scripts/docs.py [--check]
 
-Generated are the tables of ``docs/case_file.md``, from the schema of a case, those of
-``docs/run_folder.md`` and ``docs/long_runs.md``, and the pages in
-``docs/cases``, from the shipped case files: the comment at the head of each, its values and its
-picture.
+Generated are the tables of ``docs/case_file.md``, from the schema of a case, and of
+``docs/many_runs.md``, from that of a study, which stands in ``cases/study.schema.json`` too; those
+of ``docs/run_folder.md`` and ``docs/long_runs.md``; and the pages in ``docs/cases``, from the
+shipped case files: the comment at the head of each, its values and its picture.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from debrisflow.case import case_schema
 from debrisflow.particles.arrays import ARRAYS
 from debrisflow.run.events import FIELDS
 from debrisflow.run.folder_status import MORE_FIELDS, SEEN
+from debrisflow.study.loading import study_schema
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -40,7 +41,15 @@ TOPICS = {
     "Takes": "Time it takes",
 }
 NOT_PARAMETERS = ("title", "time", "output", "probe")
-SCALARS = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false"}
+CHOOSING = ("type", "distribution")  # fields that choose among tables
+SCALARS = {
+    "number": "number",
+    "integer": "integer",
+    "string": "text",
+    "boolean": "true or false",
+    "object": "table",
+}
+ENTRIES = {"array": "points", "string": "texts"}
 CAPTIONS = {
     "bed_erosion2d": "Water (blue) erodes a bed of sediment (red) and water.",
     "channelled_fan": "Peak depth of the flow from the torrent, past the check dam, onto the fan.",
@@ -80,8 +89,11 @@ class Field(NamedTuple):
 def pages() -> dict[Path, str]:
     """Return the text of every page that is generated or has a generated part, by its path."""
     schema = json.loads(case_schema())
+    study = json.loads(study_schema())
     written = {
         DOCS / "case_file.md": renewed("case_file.md", sections(schema)),
+        DOCS / "many_runs.md": renewed("many_runs.md", sections(study)),
+        CASES / "study.schema.json": study_schema(),
         DOCS / "run_folder.md": renewed("run_folder.md", arrays()),
         DOCS / "long_runs.md": renewed("long_runs.md", status_fields()),
     }
@@ -132,9 +144,11 @@ def sections(schema: dict[str, Any]) -> Iterator[str]:
     yield from table(plain, schema, schema["required"])
     for name, prop in tables.items():
         yield f"\n## {name}\n"
-        opening = f"`[[{name}]]`, any number of times" if is_list(prop) else f"`[{name}]`"
-        if not is_list(prop):
-            opening += ", required" if name in schema["required"] else ", optional"
+        is_required = name in schema["required"]
+        if is_list(prop):
+            opening = f"`[[{name}]]`, {'once or more' if is_required else 'any number of times'}"
+        else:
+            opening = f"`[{name}]`, {'required' if is_required else 'optional'}"
         yield f"{opening}. {sentence(prop.get('description', ''))}".rstrip()
         for part in branches(prop, schema):
             yield from section(name, part, schema)
@@ -142,9 +156,9 @@ def sections(schema: dict[str, Any]) -> Iterator[str]:
 
 def section(name: str, part: dict[str, Any], schema: dict[str, Any]) -> Iterator[str]:
     """Yield the lines on one kind of a table: what it is, its fields, the tables in it."""
-    kind = part["properties"].get("type", {}).get("const")
-    if kind:
-        yield f'\n### {name}, type = "{kind}"'
+    for key in CHOOSING:
+        if kind := part["properties"].get(key, {}).get("const"):
+            yield f'\n### {name}, {key} = "{kind}"'
     description = part.get("description", "").split("\n\nReferences")[0]
     yield "\n" + sentence(" ".join(description.split())) + "\n"
     rows = {key: prop for key, prop in part["properties"].items() if not only_tables(prop)}
@@ -221,7 +235,7 @@ def type_of(prop: dict[str, Any], schema: dict[str, Any]) -> str:
     if prop.get("type") == "array":
         least, most = prop.get("minItems", 0), prop.get("maxItems")
         entry = (prop.get("prefixItems") or [prop.get("items", {})])[0]
-        what = "points" if entry.get("type") == "array" else "numbers"
+        what = ENTRIES.get(entry.get("type", ""), "numbers")
         if most is None:
             return f"list of {what}"
         return f"{most} {what}" if least == most else f"{least} or {most} {what}"

@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 import tomli_w
-from pydantic import ValidationError, create_model
+from pydantic import BaseModel, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
 from debrisflow.case.checks import cross_check
@@ -198,9 +198,14 @@ def dump_case(case: Case) -> str:
 
 def case_schema() -> str:
     """Return the JSON schema of a case file, with the unit of every quantity in its description."""
-    schema = Case.model_json_schema()
+    return schema_of(Case, "debrisflow case")
+
+
+def schema_of(tables: type[BaseModel], title: str) -> str:
+    """Return the JSON schema of a file by the tables that it may have, as text."""
+    schema = tables.model_json_schema()
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
-    schema["title"] = "debrisflow case"
+    schema["title"] = title
     return json.dumps(_with_units(schema), indent=2) + "\n"
 
 

@@ -9,9 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from debrisflow.results.hazard import class_names, read_class_map
+from debrisflow.results.html import Picture, is_picture
 from debrisflow.results.maps.layers import Layers
 from debrisflow.results.maps.web import web_map
-from debrisflow.results.page import Picture, is_picture, picture, warnings_of, write_page
+from debrisflow.results.page import picture, warnings_of, write_page
 from debrisflow.results.plots import DESCRIPTIONS, ON_TERRAIN
 from debrisflow.results.postprocess import postprocess
 from debrisflow.results.probe_curves import format_span

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from debrisflow.run.atomic import made
 from debrisflow.run.tables import Row, write_table
 from debrisflow.study.names import EFFECTS, MAPS, SENSITIVITY, TABLE
+from debrisflow.study.report import study_report
 from debrisflow.study.results import Results
 from debrisflow.study.sweep import Sweep, Told
 
@@ -44,7 +45,7 @@ def analyze(
     if results.finished:
         written += write_study_maps(results, sweep.folder / MAPS)
         written += write_sensitivities(results, sweep.folder / SENSITIVITY)
-    return written
+    return [*written, study_report(results, sweep.folder)]
 
 
 def write_study_maps(results: Results, target: Path) -> list[Path]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from debrisflow.case.loading import MOST_TOLD, tables_of_file
+from debrisflow.case.loading import MOST_TOLD, schema_of, tables_of_file
 from debrisflow.case.problems import Problem, by_name, translate
 from debrisflow.case.text_checks import plain_texts
 from debrisflow.case.toml_text import fault_of_structure
@@ -37,6 +37,11 @@ def load_study(path: Path | str) -> Study:
     if problems := [*unread, *plain_texts(data), *problems_of(study)]:
         raise _refused(path, data, problems)
     return study
+
+
+def study_schema() -> str:
+    """Return the JSON schema of a study file, with the unit of every quantity."""
+    return schema_of(Study, "debrisflow study")
 
 
 def _refused(path: Path, data: dict[str, Any], problems: list[Problem]) -> CaseError:

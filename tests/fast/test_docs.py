@@ -4,7 +4,11 @@ An HTML comment before a block says how it is run here:
 
 - ``<!-- test: time.end=1 -->`` gives the block's cases these values (``--set``), so that they end
   soon.  Times in the options of later commands are scaled to the shorter run.
-- ``<!-- test: tables of check_dam3d -->`` checks tables in a shipped case, in place of its own.
+- ``<!-- test: tables of check_dam3d -->`` checks tables in a shipped case, in place of its own, and
+  ``tables of studies/fan`` in a shipped study.
+- ``<!-- test: slurm -->`` is a program for a cluster, see ``test_docs_slurm.py``.
+
+Of ``debrisflow sweep`` the values are those of the study's own keys.
 
 The blocks of a page run one after the other in a folder of their own, which holds a copy of
 ``cases``.
@@ -28,9 +32,12 @@ from click.testing import CliRunner
 
 import debrisflow
 from debrisflow.case import load_case
+from debrisflow.case.overrides import apply_overrides
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.case.vectors import write_polygons
 from debrisflow.cli import main
+from debrisflow.study.loading import load_study
+from debrisflow.study.sweep import Sweep
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
@@ -39,6 +46,7 @@ PAGES = [
     *sorted((ROOT / "docs").rglob("*.md")),  # those in Japanese after those that they translate
     ROOT / "README.ja.md",
 ]
+STUDIES = sorted((ROOT / "cases/studies").glob("*.toml"))
 NOTEBOOKS = sorted((ROOT / "docs").rglob("*.ipynb"))
 BLOCK = re.compile(r"(?:<!-- test: ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$", re.M | re.S)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -47,6 +55,7 @@ OPEN = "python3 -m webbrowser "
 TESTS = 'pytest -m "not validation" -n 2 --dist loadfile'
 PROMPT = "source .venv/bin/activate"
 TIMES = ("--times", "--window")
+SLURM = "slurm"
 
 
 class Block(NamedTuple):
@@ -81,6 +90,8 @@ class Reader:
         self.names: dict = {}
 
     def follow(self, block: Block) -> None:
+        if block.note == SLURM:
+            return
         overrides = block.note.split()
         if block.language == "python":
             self.run_python(block.text, overrides)
@@ -102,6 +113,8 @@ class Reader:
             ends = [load_case(arguments[1], given).time.end for given in (overrides, ())]
             self.scale = ends[0] / ends[1]
             arguments += [part for value in overrides for part in ("--set", value)]
+        if arguments[0] == "sweep" and arguments[1].endswith(".toml"):
+            shorten_study(Path(arguments[1]), overrides)
         before = ["", *arguments]
         scaled = [self.scaled(a, b) for a, b in zip(before, arguments, strict=False)]
         done = CliRunner().invoke(main, scaled)
@@ -118,6 +131,14 @@ class Reader:
 
         self.monkeypatch.setattr(debrisflow, "load_case", shortened, raising=False)
         exec(compile(text, "block", "exec"), self.names)
+
+
+def shorten_study(path: Path, overrides: list[str]) -> None:
+    import tomli_w
+
+    given = tomllib.loads(path.read_text(encoding="utf-8"))
+    apply_overrides(given, overrides)
+    path.write_text(tomli_w.dumps(given), encoding="utf-8")
 
 
 @pytest.fixture
@@ -174,6 +195,9 @@ def test_cases_are_valid(page, folder):
         if "title" not in given:
             base = folder / "cases" / f"{block.note.removeprefix('tables of ')}.toml"
             given = tomllib.loads(base.read_text(encoding="utf-8")) | given
+        if "design" in given:
+            load_study(write_case(folder / "cases/studies/block.toml", given))
+            continue
         if given["geometry"]["type"] == "terrain":
             write_map(folder)
         load_case(write_case(folder / "block.toml", given))
@@ -238,6 +262,16 @@ def test_every_case_has_a_page_and_the_site_lists_every_page():
 
     assert {f"cases/{path.stem}.md" for path in (ROOT / "cases").glob("*.toml")} <= pages
     assert {page for page in pages if f"{page}\n" not in site} == set()
+
+
+@pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
+def test_a_shipped_study_is_valid_and_says_what_it_is(path):
+    head = path.read_text(encoding="utf-8").split("title")[0]
+
+    assert Sweep(load_study(path), path.parent / "runs").members
+    assert head.startswith("#:schema ../study.schema.json\n")
+    for word in ("Source", "Chosen", "Calibrated", "Expect", "Takes"):
+        assert f"# {word}:" in head
 
 
 def test_generated_pages_are_up_to_date():

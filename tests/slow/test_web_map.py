@@ -14,6 +14,7 @@ from debrisflow.results.report import report
 from debrisflow.results.survey import survey
 from debrisflow.results.terrain_report import terrain_report
 from debrisflow.results.terrain_survey import survey_terrain
+from debrisflow.study.report import study_report
 from tests.fan import (
     GRID,
     fan_case,
@@ -25,6 +26,7 @@ from tests.fan import (
     write_layers,
     write_ledger,
 )
+from tests.fast.test_study_report import results_of, study_of
 from tests.recording import cells, channel_case, placed, record, sliding
 from tests.slow.test_render import written
 
@@ -253,6 +255,33 @@ def test_words_from_files_are_text_and_no_script(browser, tmp_path, make, langua
     assert tab.evaluate("typeof window.hacked") == "undefined"
     assert tab.locator("[onerror], [onmouseover], a[href^='javascript']").count() == 0
     assert tab.locator("script").count() == (2 if make is hostile_fan else 0)
+    assert wrong == []
+    tab.close()
+
+
+def hostile_study(root):
+    """Return the page of a study of which all words are hostile."""
+    results = results_of(root, study_of(title=HOSTILE, notes=HOSTILE), message=HOSTILE)
+    (root / "maps").mkdir()
+    (root / "maps" / f"{NAME}.csv").write_text(f"# {IMAGE}\n{IMAGE},b\n{IMAGE},1\n")
+    return study_report(results, root)
+
+
+def test_words_of_a_study_are_text_and_its_style_is_its_own(browser, tmp_path):
+    tab = browser.new_page()
+    wrong = []
+    tab.on("console", lambda message: wrong.append(message.text))
+    tab.on("pageerror", lambda error: wrong.append(str(error)))
+    tab.on("dialog", lambda dialog: (wrong.append("dialog"), dialog.dismiss()))
+    tab.on("request", lambda one: wrong.append(one.url) if one.url[:4] == "http" else None)
+    tab.goto(hostile_study(tmp_path).as_uri())
+    assert tab.locator("h1").text_content() == tab.title() == HOSTILE
+    assert tab.locator(".lines").first.text_content() == HOSTILE
+    assert tab.locator(".failed .lines").text_content() == HOSTILE
+    assert tab.locator("th", has_text="onerror").count() == 1
+    assert tab.locator("[onerror], [onmouseover], a[href^='javascript'], script").count() == 0
+    assert tab.evaluate("typeof window.hacked") == "undefined"
+    assert tab.evaluate("getComputedStyle(document.querySelector('.wide')).overflowX") == "auto"
     assert wrong == []
     tab.close()
 

@@ -1,0 +1,126 @@
+"""Pictures and tables in the folders of a study, as its page shows them."""
+
+from __future__ import annotations
+
+import csv
+from io import StringIO
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import quote
+
+from debrisflow.errors import OutputError
+from debrisflow.results.html import Picture, is_picture, picture_of
+from debrisflow.run.reading import text_of
+
+MOST_ROWS = 60  # of a table that is shown on the page
+FIRST = ("summary", "extents")  # tables that answer, before those that they come from
+STYLES = (".qml",)  # of rasters beside them
+
+
+class Link(NamedTuple):
+    """A file or folder, by its address relative to the page."""
+
+    name: str
+    address: str
+
+
+class Table(NamedTuple):
+    """A table as text.
+
+    Attributes
+    ----------
+    link : Link
+        To its file.
+    notes : list of str
+        The comments at its head.
+    columns : list of str
+    rows : list of list of str
+        None where there are too many to be shown.
+    length : int
+        How many there are.
+    """
+
+    link: Link
+    notes: list[str]
+    columns: list[str]
+    rows: list[list[str]]
+    length: int
+
+
+class Attachments(NamedTuple):
+    """What a folder holds for the page.
+
+    Attributes
+    ----------
+    pictures : list of Picture
+    tables : list of Table
+    links : list of Link
+        To files that the page does not carry, as rasters.
+    problems : list of str
+        Files that cannot be read, and why.
+    """
+
+    pictures: list[Picture]
+    tables: list[Table]
+    links: list[Link]
+    problems: list[str]
+
+    def __bool__(self) -> bool:
+        """Return whether there is anything."""
+        return any(self)
+
+
+def attachments(folder: Path) -> Attachments:
+    """Return the pictures, tables and other files in a folder beside the page.
+
+    Parameters
+    ----------
+    folder : Path
+        There may be none.
+    """
+    found = Attachments([], [], [], [])
+    for file in _files(folder):
+        link = Link(file.name, quote(f"{folder.name}/{file.name}"))
+        if file.suffix == ".png" and is_picture(file):
+            name = file.stem.replace("_", " ")
+            found.pictures.append(picture_of(file, name, name))
+        elif file.suffix == ".csv":
+            try:
+                found.tables.append(table_of(text_of(file), link))
+            except (OutputError, csv.Error) as error:
+                found.problems.append(f"{link.name} cannot be read: {error}")
+        else:
+            found.links.append(link)
+    return found
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return the files of a folder, in the order in which the page shows them."""
+    found = [file for file in folder.iterdir() if file.is_file()] if folder.is_dir() else []
+    shown = [file for file in found if file.suffix not in STYLES and not file.name.startswith(".")]
+    return sorted(shown, key=lambda file: (file.stem not in FIRST, file.name))
+
+
+def table_of(text: str, link: Link) -> Table:
+    r"""Return a table, in the form of all tables of runs, from its text.
+
+    Examples
+    --------
+    >>> table_of("# of what\nname,value\nmu,0.123456789\n", Link("a", "a.csv"))[1:]
+    (['of what'], ['name', 'value'], [['mu', '0.1235']], 1)
+    """
+    lines = text.splitlines()
+    notes = [line.removeprefix("#").strip() for line in lines if line.startswith("#")]
+    rest = "\n".join(line for line in lines if not line.startswith("#"))
+    columns, *rows = list(csv.reader(StringIO(rest))) or [[]]
+    shown = [[_shortened(cell) for cell in row] for row in rows if len(rows) <= MOST_ROWS]
+    return Table(link, notes, columns, shown, len(rows))
+
+
+def _shortened(cell: str) -> str:
+    """Return a cell for people: numbers of four digits, nothing for nan."""
+    try:
+        number = float(cell)
+    except ValueError:
+        return cell
+    return "" if number != number else f"{number:.4g}"

@@ -1,0 +1,227 @@
+"""A page on a whole study: one HTML file that needs nothing else, with links to its runs."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, NamedTuple
+from urllib.parse import quote
+
+from debrisflow import __version__
+from debrisflow.results.html import write_html
+from debrisflow.results.parameters import summary as case_in_words
+from debrisflow.run.duration import duration
+from debrisflow.run.names import POSTPROCESS
+from debrisflow.study.attachments import Link, attachments
+from debrisflow.study.distributions import AnyParameter, Choice, Value
+from debrisflow.study.member import Member, flat, shown_values
+from debrisflow.study.names import CALIBRATION, MAPS, REPORT, SENSITIVITY, TABLE
+from debrisflow.study.outcome import FINISHED, STOPPED
+from debrisflow.study.results import Results
+from debrisflow.study.statistics import SAMPLES, Summary, summaries
+from debrisflow.study.wording import design_in_words, law_in_words, observation_in_words
+
+MOST_LISTED = 500  # members in the table of all
+PACKAGE = "debrisflow.study"
+
+
+class Varied(NamedTuple):
+    """A parameter as the page shows it.
+
+    Attributes
+    ----------
+    name, keys, law : str
+    is_factor : bool
+    span : str
+        What the members have of it.
+    """
+
+    name: str
+    keys: str
+    law: str
+    is_factor: bool
+    span: str
+
+
+class Linked(NamedTuple):
+    """A member with what the page says of it.
+
+    Attributes
+    ----------
+    number : int
+    values, state, message : str
+    folder : Link
+    report : Link or None
+        Where there is one of its run.
+    figures : list of float or None
+        Its quantities; None where it has none.
+    """
+
+    number: int
+    values: str
+    state: str
+    message: str
+    folder: Link
+    report: Link | None
+    figures: list[float | None]
+
+
+class Marked(NamedTuple):
+    """A quantity with its worst and its median member, and their values of it."""
+
+    name: str
+    worst: Linked
+    worst_value: float | None
+    middle: Linked
+    middle_value: float | None
+
+
+def study_report(results: Results, folder: Path) -> Path:
+    """Write ``report.html`` of a study into its folder, and return it.
+
+    Pictures and tables that are in its folders ``sensitivity``, ``maps`` and ``calibration`` are on
+    it.
+
+    Parameters
+    ----------
+    results : Results
+        Of the design.
+    folder : Path
+        Of the study.
+
+    Raises
+    ------
+    OutputError
+        If the page cannot be written.
+    """
+    path = folder / REPORT
+    parts = (_asked(results), _members(results, folder), _attached(folder), _origin(results))
+    write_html(
+        path,
+        "study.html",
+        {key: value for part in parts for key, value in part.items()},
+        package=PACKAGE,
+        style="study.css",
+    )
+    return path
+
+
+def _asked(results: Results) -> dict[str, Any]:
+    """Return what the study file asks for."""
+    study, base = results.study, results.base
+    return {
+        "language": "en",
+        "title": study.title,
+        "notes": study.notes.split("\n\n") if study.notes else [],
+        "case": Path(study.case).name,
+        "case_title": base.title,
+        "case_summary": case_in_words(base),
+        "changes": [(key, _shown(value)) for key, value in flat(study.set)],
+        "parameters": [_varied(one, results.members) for one in study.parameter],
+        "correlations": study.correlation,
+        "design": design_in_words(study.design),
+        "is_sample": study.design.type in SAMPLES,
+        "observations": [observation_in_words(one) for one in study.observation],
+    }
+
+
+def _members(results: Results, folder: Path) -> dict[str, Any]:
+    """Return what became of the members."""
+    linked = list(_linked(results, folder))
+    rows = summaries(results)
+    return {
+        "count": len(linked),
+        "counts": Counter(one.state for one in linked),
+        "without": [one for one in linked if one.state != FINISHED],
+        "stopped": STOPPED,
+        "members": linked[:MOST_LISTED],
+        "left_out": max(len(linked) - MOST_LISTED, 0),
+        "table": Link(TABLE, TABLE) if (folder / TABLE).is_file() else None,
+        "quantities": rows,
+        "marked": [found for k, row in enumerate(rows) if (found := _marked(k, row, linked))],
+        "arrivals": [row.name for row in rows if row.least_is_worst],
+        "has_unequal": any(0 < row.count < len(linked) for row in rows),
+    }
+
+
+def _attached(folder: Path) -> dict[str, Any]:
+    """Return what the analyses of the study left in its folder."""
+    return {name: attachments(folder / name) for name in (SENSITIVITY, MAPS, CALIBRATION)}
+
+
+def _origin(results: Results) -> dict[str, Any]:
+    """Return what the results come from."""
+    from debrisflow.run.loop import program
+
+    seed = getattr(results.study.design, "seed", None)
+    return {
+        "version": __version__,
+        "program": program(),
+        "seed": "none" if seed is None else seed,
+        "computed": len({one.digest for one in results.members}),
+        "seconds": duration(sum(_seconds(results))),
+        "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+    }
+
+
+def _seconds(results: Results) -> list[float]:
+    """Return the wall time of each run, once where members have the same content."""
+    pairs = zip(results.members, results.outcomes, strict=True)
+    return list({member.digest: outcome.seconds for member, outcome in pairs}.values())
+
+
+def _varied(parameter: AnyParameter, members: Sequence[Member]) -> Varied:
+    values = [one.values[parameter.name] for one in members]
+    if isinstance(parameter, Choice):
+        used = [value for value in parameter.values if value in values]
+        span = ", ".join(map(_shown, used))
+    else:
+        numbers = [float(value) for value in values]
+        span = f"{min(numbers):.4g} to {max(numbers):.4g}" if numbers else ""
+    keys = ", ".join(parameter.keys)
+    return Varied(parameter.name, keys, law_in_words(parameter), parameter.is_factor, span)
+
+
+def _shown(value: Value | object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _linked(results: Results, folder: Path) -> Iterator[Linked]:
+    triples = zip(results.members, results.outcomes, results.figures, strict=True)
+    for member, outcome, figures in triples:
+        report = member.folder / POSTPROCESS / REPORT
+        known = [figures[name].value if name in figures else None for name in results.units]
+        yield Linked(
+            member.number,
+            shown_values(member.values),
+            outcome.state,
+            outcome.message,
+            Link(member.folder.name, address(member.folder, folder)),
+            Link("report", address(report, folder)) if report.is_file() else None,
+            known,
+        )
+
+
+def address(file: Path, folder: Path) -> str:
+    """Return how a page in a folder links to a file or folder: relative, where that is possible.
+
+    Examples
+    --------
+    >>> address(Path("runs/a/members/0f"), Path("runs/a")), address(Path("b/x y"), Path("a"))
+    ('members/0f', '../b/x%20y')
+    """
+    try:
+        return quote(Path(os.path.relpath(file, folder)).as_posix())
+    except ValueError:  # on another drive
+        return file.absolute().as_uri()
+
+
+def _marked(place: int, row: Summary, linked: Sequence[Linked]) -> Marked | None:
+    """Return a quantity with its worst and its median member, None if no member has it."""
+    if row.worst is None or row.middle is None:
+        return None
+    worst, middle = linked[row.worst], linked[row.middle]
+    return Marked(row.name, worst, worst.figures[place], middle, middle.figures[place])
