@@ -119,12 +119,24 @@ def test_residual_that_depends_on_nothing_is_emulated_without_a_warning() -> Non
     assert np.isfinite(emulator.left_out().explained).all()
 
 
+FLAT = study_of(
+    {},
+    parameter=[
+        {"name": name, "key": name, "distribution": "uniform", "low": 0.0, "high": 1.0}
+        for name in ("first", "second")
+    ],
+)
+SQUARE = ParameterSpace.of(FLAT)
+NONE = np.empty((0, 2))
+
+
 def least_by_improvement(seed: int, count: int) -> float:
     """Return the least misfit of Rosenbrock's valley after some runs, 8 of them a design."""
     shares = qmc.LatinHypercube(2, rng=seed).random(8)
     residuals = valley(shares)
     while len(shares) < count:
-        point = proposed(Emulator(shares, residuals, 0), np.empty((0, 2)), 1, seed).shares
+        emulator = Emulator(SQUARE.coordinates(shares), residuals, 0)
+        point = proposed(emulator, SQUARE, shares, NONE, 1, seed).shares
         shares = np.vstack([shares, point])
         residuals = np.vstack([residuals, valley(point)])
     return float(misfits(residuals).min())
@@ -145,12 +157,12 @@ def test_improvement_finds_a_minimum_in_25_runs() -> None:
 
 def test_points_computed_at_once_keep_apart_from_each_other_and_from_failures() -> None:
     shares = qmc.LatinHypercube(2, rng=0).random(8)
-    emulator = Emulator(shares, valley(shares), 0)
-    first = proposed(emulator, np.empty((0, 2)), 3, 0).shares
+    emulator = Emulator(SQUARE.coordinates(shares), valley(shares), 0)
+    first = proposed(emulator, SQUARE, shares, NONE, 3, 0).shares
     assert len(first) == 3
     gaps = np.abs(first[:, None] - first[None, :]).max(axis=2)[np.triu_indices(3, 1)]
     assert gaps.min() >= 0.01
-    beside = proposed(emulator, first[:1], 1, 0).shares
+    beside = proposed(emulator, SQUARE, shares, first[:1], 1, 0).shares
     assert np.abs(beside - first[0]).max() >= 0.01
 
 
@@ -166,7 +178,7 @@ def linear_posterior(correlation: float) -> tuple[Posterior, Floats, Floats]:
     mean = covariance @ matrix.T @ (observed / error**2)
     shares = qmc.LatinHypercube(2, rng=0).random(40)
     residuals = (scores_of(shares) @ matrix.T - observed) / error
-    return sampled(Emulator(shares, residuals, 0), space, 0), mean, covariance
+    return sampled(Emulator(space.coordinates(shares), residuals, 0), space, 0), mean, covariance
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.6])

@@ -15,9 +15,9 @@ from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
 Floats = NDArray[np.float64]
 RESTARTS = 4
-WIDE = (1e-6, 1e6)  # bounds that the priors keep the hyperparameters away from
-# median and deviation of the logarithm: of the variance of a residual, of its lengths as shares
-# of the prior, and of the noise in that variance
+WIDE = (1e-15, 1e15)  # bounds that the priors keep the hyperparameters away from
+# median and deviation of the logarithm: of the variance of a residual, of its lengths as parts of
+# the 90 % interval of the prior, and of the noise in that variance
 VARIANCE, LENGTH, NOISE = (1.0, 1.0), (0.7, 1.0), (1e-3, 2.0)
 
 
@@ -78,8 +78,8 @@ class Emulator:
 
     Parameters
     ----------
-    shares : (runs, parameters) float64 array
-        Places of the runs, as shares of the prior.
+    places : (runs, parameters) float64 array
+        Of the runs, see :meth:`ParameterSpace.coordinates`.
     residuals : (runs, residuals) float64 array
     seed : int
 
@@ -89,23 +89,23 @@ class Emulator:
     4.2 and 5.4.2.
     """
 
-    def __init__(self, shares: Floats, residuals: Floats, seed: int) -> None:
-        self.shares, self.residuals = shares, residuals
-        self._processes = [_fitted(shares, column, seed) for column in residuals.T]
+    def __init__(self, places: Floats, residuals: Floats, seed: int) -> None:
+        self.places, self.residuals = places, residuals
+        self._processes = [_fitted(places, column, seed) for column in residuals.T]
 
-    def at(self, shares: Floats) -> Prediction:
-        """Return the residuals at points given by their shares, (points, parameters)."""
-        found = [_predicted(process, shares) for process in self._processes]
+    def at(self, places: Floats) -> Prediction:
+        """Return the residuals at places, (points, parameters)."""
+        found = [_predicted(process, places) for process in self._processes]
         mean, variance = (np.column_stack(parts) for parts in zip(*found, strict=True))
         return Prediction(mean, variance, np.array([_noise(one) for one in self._processes]))
 
-    def believing(self, shares: Floats) -> Emulator:
-        """Return the emulator as if runs at some points had given what it expects there."""
+    def believing(self, places: Floats) -> Emulator:
+        """Return the emulator as if runs at some places had given what it expects there."""
         other = copy.copy(self)
-        other.shares = np.vstack([self.shares, shares])
-        other.residuals = np.vstack([self.residuals, self.at(shares).mean])
+        other.places = np.vstack([self.places, places])
+        other.residuals = np.vstack([self.residuals, self.at(places).mean])
         other._processes = [
-            _conditioned(process, other.shares, column)
+            _conditioned(process, other.places, column)
             for process, column in zip(self._processes, other.residuals.T, strict=True)
         ]
         return other
@@ -117,23 +117,23 @@ class Emulator:
         return LeaveOneOut(predicted, deviation, self.residuals)
 
 
-def _fitted(shares: Floats, values: Floats, seed: int) -> GaussianProcessRegressor:
-    count = shares.shape[1]
+def _fitted(places: Floats, values: Floats, seed: int) -> GaussianProcessRegressor:
+    count = places.shape[1]
     kernel = ConstantKernel(VARIANCE[0], WIDE) * Matern(
         [LENGTH[0]] * count, [WIDE] * count, nu=2.5
     ) + WhiteKernel(NOISE[0], WIDE)
     process = GaussianProcessRegressor(
         kernel, optimizer=_most_likely(count, seed), normalize_y=True, random_state=seed
     )
-    return process.fit(shares, values)
+    return process.fit(places, values)
 
 
 def _conditioned(
-    process: GaussianProcessRegressor, shares: Floats, values: Floats
+    process: GaussianProcessRegressor, places: Floats, values: Floats
 ) -> GaussianProcessRegressor:
     """Return a process with the covariance of another, through other values."""
     other = GaussianProcessRegressor(process.kernel_, optimizer=None, normalize_y=True)
-    return other.fit(shares, values)
+    return other.fit(places, values)
 
 
 def _most_likely(count: int, seed: int) -> Callable[..., tuple[Floats, float]]:
@@ -170,13 +170,13 @@ def _noise(process: GaussianProcessRegressor) -> float:
     return float(process.kernel_.k2.noise_level) * _scale(process)[1] ** 2
 
 
-def _predicted(process: GaussianProcessRegressor, shares: Floats) -> tuple[Floats, Floats]:
+def _predicted(process: GaussianProcessRegressor, places: Floats) -> tuple[Floats, Floats]:
     """Return mean and variance without noise; as of scikit-learn, ten times as fast for a few."""
     smooth = process.kernel_.k1
     middle, deviation = _scale(process)
-    across = smooth(shares, process.X_train_)
+    across = smooth(places, process.X_train_)
     explained = solve_triangular(process.L_, across.T, lower=True, check_finite=False)
-    variance = smooth.diag(shares) - (explained**2).sum(axis=0)
+    variance = smooth.diag(places) - (explained**2).sum(axis=0)
     return middle + deviation * (across @ process.alpha_), deviation**2 * np.maximum(variance, 0.0)
 
 

@@ -95,7 +95,7 @@ def coupled(space: ParameterSpace, scores: Floats) -> list[Coupled]:
     pairs = []
     for i, j in combinations(range(len(space.names)), 2):
         both = scores[:, [i, j]]
-        correlation = float(np.corrcoef(both.T)[0, 1])
+        correlation = float(np.asarray(np.corrcoef(both.T))[0, 1])
         if abs(correlation) <= COUPLED:
             continue
         variances, directions = np.linalg.eigh(np.cov(both.T))

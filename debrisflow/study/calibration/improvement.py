@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,11 +12,13 @@ from scipy.stats import norm, qmc
 
 from debrisflow.study.calibration.emulator import Emulator
 from debrisflow.study.calibration.observations import misfits
+from debrisflow.study.calibration.parameter_space import ParameterSpace
 
 Floats = NDArray[np.float64]
 NEGLIGIBLE = 0.01  # of a misfit, in which a difference of 1 is one error of one observation
 CANDIDATES, DRAWS = 10, 8  # powers of two
 BEST_RUNS, AROUND, NEAR = 3, 64, 0.05  # candidates near runs, and how near, as shares
+EDGES = (0.005, 0.995)  # shares between which runs are chosen: a prior may have no bounds
 SEARCHES = 3
 LEAST_DISTANCE = 0.01  # share, between two runs
 
@@ -34,7 +37,9 @@ class Proposal(NamedTuple):
     improvement: float
 
 
-def proposed(emulator: Emulator, failed: Floats, count: int, seed: int) -> Proposal:
+def proposed(
+    emulator: Emulator, space: ParameterSpace, runs: Floats, failed: Floats, count: int, seed: int
+) -> Proposal:
     """Return the points of greatest expected improvement.
 
     The improvement of a point is the mean of ``max(J_min - J, 0)`` where J is the sum of squares of
@@ -45,8 +50,10 @@ def proposed(emulator: Emulator, failed: Floats, count: int, seed: int) -> Propo
     Parameters
     ----------
     emulator : Emulator
-    failed : (runs, parameters) float64 array
-        Shares of runs that failed, beside which nothing is computed.
+    space : ParameterSpace
+    runs, failed : (runs, parameters) float64 array
+        Shares of the runs of the emulator, and of those that failed; beside neither is computed
+        again.
     count : int
         Of points that are computed at the same time, at most.
     seed : int
@@ -61,31 +68,40 @@ def proposed(emulator: Emulator, failed: Floats, count: int, seed: int) -> Propo
     draws = _draws(emulator.residuals.shape[1], seed)
     points: list[Floats] = []
     improvements: list[float] = []
-    for number in range(count):
-        taken = np.vstack([emulator.shares, failed])
-        point, gain = _greatest(emulator, taken, draws, least, seed + number)
+    best = runs[np.argsort(misfits(emulator.residuals))[:BEST_RUNS]]
+    candidates = _candidates(best, seed)
+    for _ in range(count):
+        taken = np.vstack([runs, failed, *points])
+
+        def gains(shares: Floats, emulator: Emulator = emulator, taken: Floats = taken) -> Floats:
+            apart = np.abs(shares[:, None, :] - taken).max(axis=2).min(axis=1)
+            places = space.coordinates(shares)
+            found = expected_improvement(emulator, places, draws, least)
+            return np.where(apart < LEAST_DISTANCE, 0.0, found)
+
+        point, gain = _greatest(gains, candidates)
         if points and gain <= 0.0:
             break
         points.append(point)
         improvements.append(gain)
-        emulator = emulator.believing(point[None, :])
+        emulator = emulator.believing(space.coordinates(point[None, :]))
     return Proposal(np.array(points), improvements[0])
 
 
-def expected_improvement(emulator: Emulator, shares: Floats, draws: Floats, least: float) -> Floats:
-    """Return by how much runs at some points would reduce the least misfit on average, (points,).
+def expected_improvement(emulator: Emulator, places: Floats, draws: Floats, least: float) -> Floats:
+    """Return by how much runs at some places would reduce the least misfit on average, (points,).
 
     Parameters
     ----------
     emulator : Emulator
-    shares : (points, parameters) float64 array
+    places : (points, parameters) float64 array
     draws : (draws, residuals) float64 array
         Of standard normal numbers.
     least : float
         Misfit so far.
     """
-    mean, variance, _ = emulator.at(shares)
-    misfit = np.zeros((len(shares), len(draws)))
+    mean, variance, _ = emulator.at(places)
+    misfit = np.zeros((len(places), len(draws)))
     for k in range(mean.shape[1]):
         misfit += (mean[:, k, None] + np.sqrt(variance[:, k, None]) * draws[:, k]) ** 2
     return np.asarray(np.maximum(least - misfit, 0.0).mean(axis=1))
@@ -96,39 +112,30 @@ def _draws(residuals: int, seed: int) -> Floats:
     return np.asarray(norm.ppf(np.clip(shares, 1e-9, 1.0 - 1e-9)))
 
 
-def _greatest(
-    emulator: Emulator, taken: Floats, draws: Floats, least: float, seed: int
-) -> tuple[Floats, float]:
-    """Return the point of greatest improvement, not beside one that is taken."""
-
-    def gain(shares: Floats) -> Floats:
-        apart = np.abs(shares[:, None, :] - taken).max(axis=2).min(axis=1)
-        found = expected_improvement(emulator, shares, draws, least)
-        return np.where(apart < LEAST_DISTANCE, 0.0, found)
-
-    candidates = _candidates(emulator, seed)
-    gains = gain(candidates)
-    best = (candidates[int(np.argmax(gains))], float(gains.max()))
-    for k in np.argsort(gains)[-SEARCHES:]:
-        found = minimize(
-            lambda place: -gain(place[None, :])[0],
+def _greatest(gains: Callable[[Floats], Floats], candidates: Floats) -> tuple[Floats, float]:
+    """Return the point of greatest gain, by searches from the best of the candidates."""
+    found = gains(candidates)
+    best = (candidates[int(np.argmax(found))], float(found.max()))
+    count = candidates.shape[1]
+    for k in np.argsort(found)[-SEARCHES:]:
+        search = minimize(
+            lambda place: -gains(place[None, :])[0],
             candidates[k],
             method="Nelder-Mead",
-            bounds=[(0.0, 1.0)] * taken.shape[1],
-            options={"maxfev": 60 * taken.shape[1], "xatol": 1e-3, "fatol": 1e-4},
+            bounds=[EDGES] * count,
+            options={"maxfev": 60 * count, "xatol": 1e-3, "fatol": 1e-4},
         )
-        if -found.fun > best[1]:
-            best = (found.x, float(-found.fun))
+        if -search.fun > best[1]:
+            best = (search.x, float(-search.fun))
     return best
 
 
-def _candidates(emulator: Emulator, seed: int) -> Floats:
+def _candidates(best: Floats, seed: int) -> Floats:
     """Return points over all shares, and around the best runs."""
-    count = emulator.shares.shape[1]
-    evenly = qmc.Sobol(count, rng=seed).random_base2(CANDIDATES)
-    best = emulator.shares[np.argsort(misfits(emulator.residuals))[:BEST_RUNS]]
-    random = np.random.default_rng(seed)
-    near = np.repeat(best, AROUND, axis=0) + NEAR * random.standard_normal(
-        (AROUND * len(best), count)
+    count = best.shape[1]
+    evenly = qmc.scale(
+        qmc.Sobol(count, rng=seed).random_base2(CANDIDATES), [EDGES[0]] * count, [EDGES[1]] * count
     )
-    return np.vstack([evenly, np.clip(near, 0.0, 1.0)])
+    random = np.random.default_rng(seed)
+    off = NEAR * random.standard_normal((AROUND * len(best), count))
+    return np.vstack([evenly, np.clip(np.repeat(best, AROUND, axis=0) + off, *EDGES)])

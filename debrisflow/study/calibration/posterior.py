@@ -7,7 +7,7 @@ from typing import NamedTuple
 import emcee
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm, qmc
+from scipy.stats import qmc
 
 from debrisflow.study.calibration.emulator import Emulator
 from debrisflow.study.calibration.parameter_space import ParameterSpace, scores_of, shares_of
@@ -61,13 +61,13 @@ class Posterior(NamedTuple):
         return found
 
 
-def log_likelihood(emulator: Emulator, shares: Floats) -> Floats:
-    """Return the logarithm of the likelihood of points, but for a constant, (points,).
+def log_likelihood(emulator: Emulator, places: Floats) -> Floats:
+    """Return the logarithm of the likelihood of places, but for a constant, (points,).
 
     A residual is normal with the mean and the variance v of the emulator, its noise among it, and
     the error of the observation is 1: ``-1/2 sum [m^2 / (1 + v) + ln(1 + v)]``.
     """
-    mean, variance, noise = emulator.at(shares)
+    mean, variance, noise = emulator.at(places)
     total = 1.0 + variance + noise
     return np.asarray(-0.5 * (mean**2 / total + np.log(total)).sum(axis=1))
 
@@ -94,7 +94,9 @@ def sampled(emulator: Emulator, space: ParameterSpace, seed: int) -> Posterior:
     walkers = max(WALKERS, 4 * count)
 
     def log_density(scores: Floats) -> Floats:
-        return space.log_prior(scores) + log_likelihood(emulator, shares_of(scores))
+        return space.log_prior(scores) + log_likelihood(
+            emulator, space.coordinates(shares_of(scores))
+        )
 
     sampler = emcee.EnsembleSampler(walkers, count, log_density, vectorize=True)
     sampler.random_state = np.random.RandomState(seed).get_state()
@@ -119,7 +121,7 @@ def _start(emulator: Emulator, space: ParameterSpace, walkers: int, seed: int) -
     shares = qmc.Sobol(len(space.names), rng=seed).random_base2(STARTS)
     independent = scores_of(shares)
     scores = independent @ np.linalg.cholesky(space.correlation).T
-    weight = log_likelihood(emulator, np.asarray(norm.cdf(scores)))
+    weight = log_likelihood(emulator, space.coordinates(shares_of(scores)))
     random = np.random.default_rng(seed)
     chosen = np.argsort(weight + random.gumbel(size=len(weight)))[-walkers:]
     return np.asarray(scores[chosen])

@@ -186,8 +186,16 @@ def _improve(
     """Add runs where the misfit may be less, and say why no more are added."""
     while (left := wanted.runs - len(runs)) > 0:
         emulator, residuals = _emulator(study, space, runs, wanted.seed)
-        failed = space.shares([run.values for run in runs])[np.isnan(residuals).any(axis=1)]
-        proposal = proposed(emulator, failed, min(at_once, left), wanted.seed)
+        shares = space.shares([run.values for run in runs])
+        has_failed = np.isnan(residuals).any(axis=1)
+        proposal = proposed(
+            emulator,
+            space,
+            shares[~has_failed],
+            shares[has_failed],
+            min(at_once, left),
+            wanted.seed + len(runs),
+        )
         if proposal.improvement < NEGLIGIBLE:
             return [
                 f"No more than {len(runs)} of {wanted.runs} runs were needed: another one would "
@@ -210,8 +218,8 @@ def _emulator(
             f"{len(space.names)} parameters needs {least}; see why the others failed, or enlarge "
             "the design"
         )
-    shares = space.shares([run.values for run in runs])
-    return Emulator(shares[is_finished], residuals[is_finished], seed), residuals
+    places = space.coordinates(space.shares([run.values for run in runs]))
+    return Emulator(places[is_finished], residuals[is_finished], seed), residuals
 
 
 def _scores(study: Study, found: CalibrationResult) -> list[Score]:
