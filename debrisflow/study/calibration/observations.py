@@ -82,7 +82,8 @@ def residuals_of(study: Study, runs: Sequence[Evaluated]) -> Floats:
     for one in study.observation:
         if isinstance(one, Extent):
             found = [_outside(run.folder, one, part) for run in runs]
-            columns += list(np.array(found).reshape(-1, 2).T / one.error)
+            missed, false = np.array(found).reshape(-1, 2).T
+            columns += [missed / one.error, false / (one.false_error or one.error)]
         else:
             values = np.array([run.answers.get(one.quantity, np.nan) for run in runs], dtype=float)
             has_failed = np.array([run.folder is None for run in runs], dtype=bool)
