@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -202,6 +203,7 @@ def test_chains_that_are_too_short_or_stuck_are_said_so() -> None:
     assert len(Posterior(np.zeros((4, 1)), np.nan, 1000, np.nan, 0.3).doubts) == 1
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_ridge_is_known_by_its_combination_only() -> None:
     study = study_of({"sum": (0.5, 0.05)})
     found = fitted(study, model(sum=lambda first, second: first + second))
@@ -215,6 +217,7 @@ def test_ridge_is_known_by_its_combination_only() -> None:
     assert any("only a combination is known" in note for note in found.notes)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_product_of_positive_parameters_is_a_ridge_too() -> None:
     law = {"distribution": "lognormal", "median": 2.0, "deviation": 0.5}
     parameters = [{"name": name, "key": name, **law} for name in ("first", "second")]
@@ -223,6 +226,7 @@ def test_product_of_positive_parameters_is_a_ridge_too() -> None:
     np.testing.assert_allclose(found.coupled[0].unknown, [0.5**0.5, -(0.5**0.5)], atol=0.05)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_parameter_that_matters_is_identified_and_one_that_does_not_is_not() -> None:
     study = study_of({"first_only": (0.5, 0.1)})
     found = fitted(study, model(first_only=lambda first, second: first))
@@ -232,14 +236,18 @@ def test_parameter_that_matters_is_identified_and_one_that_does_not_is_not() -> 
     assert "next to nothing" in sentences(found.marginals, [])[1]
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave plots out, which take longer than a fit."""
+    monkeypatch.setattr("debrisflow.study.calibration.plots.write_plots", lambda *_: [])
+
+
 def fitted(
     study: Study,
     evaluate: Callable[[Sequence[Values]], list[Evaluated]],
     count: int = 8,
     target: Path | None = None,
 ) -> CalibrationResult:
-    import tempfile
-
     with tempfile.TemporaryDirectory() as folder:
         return calibrate(study, design_of(study, count), evaluate, target or Path(folder))
 
@@ -249,6 +257,7 @@ def test_seeds_reproduce_and_files_are_written(tmp_path: Path) -> None:
     study = study_of(observed, calibration={"runs": 12, "predictive": 3, "seed": 5})
     evaluate = model(product=lambda x, y: x * y, first_only=lambda x, y: x)
     one, other = (fitted(study, evaluate, target=tmp_path / name) for name in ("a", "b"))
+    assert np.all(one.at_posterior < 0.5)
     assert [run.values for run in one.runs] == [run.values for run in other.runs]
     np.testing.assert_array_equal(one.posterior.scores, other.posterior.scores)
     assert [run.kind for run in one.runs].count("predictive") == 3
@@ -260,6 +269,7 @@ def test_seeds_reproduce_and_files_are_written(tmp_path: Path) -> None:
     assert all(file.stat().st_size > 0 for file in one.files)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_search_ends_early_when_nothing_is_to_be_gained() -> None:
     study = study_of({"first_only": (0.5, 0.1)}, runs=40)
     found = fitted(study, model(first_only=lambda first, second: first))
@@ -267,6 +277,7 @@ def test_search_ends_early_when_nothing_is_to_be_gained() -> None:
     assert any(note.startswith("No more than") for note in found.notes)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_failed_runs_are_left_out_and_counted() -> None:
     study = study_of({"first_only": (0.5, 0.1), "sum": (0.5, 0.2)}, runs=14)
     works = model(first_only=lambda x, y: x, sum=lambda x, y: x + y)
@@ -284,6 +295,7 @@ def test_failed_runs_are_left_out_and_counted() -> None:
     assert found.marginals[0].posterior[0] < 0.5 < found.marginals[0].posterior[2]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_fit_needs_more_runs_than_parameters() -> None:
     study = study_of({"sum": (0.5, 0.1)})
     with pytest.raises(CaseError, match="0 of 8 runs have finished"):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from debrisflow.results.plots.style import BLUE, GRAY, GREEN, ORANGE, RED, WIDTH, save, styled
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 BINS = 40
-LEVELS = (0.9, 0.5)  # shares of the posterior within the contours
+LEVELS = {0.9: 0.25, 0.5: 0.6}  # opacity of areas that hold a share of the posterior
 TALLEST = 7.0  # inch, of the plot of all pairs
 COLUMNS = 3
 KINDS = {"design": ("o", GRAY), "improvement": ("D", BLUE), "predictive": ("x", ORANGE)}
@@ -80,7 +80,13 @@ def _words_of_emulator(found: CalibrationResult) -> tuple[str, list[str]]:
 def _posterior(found: CalibrationResult) -> Figure:
     space, count = found.space, len(found.space.names)
     sample = space.values(shares_of(found.posterior.scores))
-    runs = np.array([[run.values[name] for name in space.names] for run in found.runs], dtype=float)
+    best = found.runs[found.best].values
+    rests_on = [
+        [run.values[name] for name in space.names]
+        for run, misfit in zip(found.runs, found.misfits, strict=True)
+        if run.kind != "predictive" and np.isfinite(misfit)
+    ]
+    runs = np.array(rests_on, dtype=float)
     limits = [tuple(law.ppf([0.005, 0.995])) for law in space.laws]
     side = min(WIDTH, 1.5 + 2.0 * count, TALLEST)
     figure = Figure(figsize=(WIDTH, side), layout="constrained")
@@ -97,8 +103,8 @@ def _posterior(found: CalibrationResult) -> Figure:
         else:
             _areas(here, sample[:, [j, i]], limits[j], limits[i])
             here.plot(runs[:, j], runs[:, i], ".", color=GRAY, markersize=3)
-            best = runs[found.best]
-            here.plot(best[j], best[i], "x", color=RED, markersize=7, markeredgewidth=1.5)
+            place = [float(best[space.names[k]]) for k in (j, i)]
+            here.plot(*place, "x", color=RED, markersize=7, markeredgewidth=1.5)
             here.set_ylim(limits[i])
         if i == count - 1:
             here.set_xlabel(space.names[j])
@@ -128,10 +134,10 @@ def _areas(axes: Axes, sample: Floats, x: tuple[float, float], y: tuple[float, f
     smooth = gaussian_filter(counts, 1.0)
     ordered = np.sort(smooth.ravel())[::-1]
     within = np.cumsum(ordered) / ordered.sum()
-    levels = sorted({float(ordered[np.searchsorted(within, share)]) for share in LEVELS})
     middles = [(edges[1:] + edges[:-1]) / 2.0 for edges in (x_edges, y_edges)]
-    levels = [*levels, float(ordered[0]) * 1.001]
-    axes.contourf(*middles, smooth.T, levels=levels, colors=[BLUE] * (len(levels) - 1), alpha=0.35)
+    for share, opacity in LEVELS.items():
+        levels = [float(ordered[np.searchsorted(within, share)]), float(ordered[0]) * 1.001]
+        axes.contourf(*middles, smooth.T, levels=levels, colors=[BLUE], alpha=opacity)
 
 
 def _misfits(found: CalibrationResult) -> Figure:
@@ -155,6 +161,7 @@ def _misfits(found: CalibrationResult) -> Figure:
     axes.step(numbers[searched], least, color=GREEN, where="post", label="least so far")
     axes.axhline(len(found.residual_names), color=GRAY, linestyle=":")
     axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xlabel("run")
     axes.set_ylabel("misfit")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

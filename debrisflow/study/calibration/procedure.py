@@ -67,6 +67,9 @@ class CalibrationResult(NamedTuple):
     residual_names : list of str
     left_out : LeaveOneOut
         Error of the emulator.
+    at_posterior : (residuals,) float64 array
+        Root mean square of its error at the predictive runs, in errors of the observation; nan if
+        there are none.
     posterior : Posterior
     marginals : list of Marginal
     coupled : list of Coupled
@@ -82,6 +85,7 @@ class CalibrationResult(NamedTuple):
     residuals: Floats
     residual_names: list[str]
     left_out: LeaveOneOut
+    at_posterior: Floats
     posterior: Posterior
     marginals: list[Marginal]
     coupled: list[Coupled]
@@ -155,7 +159,18 @@ def calibrate(
     left_out = emulator.left_out()
     known, pairs = marginals(space, posterior.scores), coupled(space, posterior.scores)
     found = CalibrationResult(
-        space, runs, residuals, residual_names(study), left_out, posterior, known, pairs, [], [], []
+        space,
+        runs,
+        residuals,
+        residual_names(study),
+        left_out,
+        _error_at_posterior(emulator, space, runs, residuals),
+        posterior,
+        known,
+        pairs,
+        scores=[],
+        notes=[],
+        files=[],
     )
     found = found._replace(scores=_scores(study, found))
     notes = [
@@ -222,6 +237,18 @@ def _emulator(
     return Emulator(places[is_finished], residuals[is_finished], seed), residuals
 
 
+def _error_at_posterior(
+    emulator: Emulator, space: ParameterSpace, runs: Sequence[Run], residuals: Floats
+) -> Floats:
+    """Return how far the emulator was off at the predictive runs, which it does not know."""
+    chosen = np.array([run.kind == PREDICTIVE for run in runs]) & np.isfinite(residuals).all(axis=1)
+    if not chosen.any():
+        return np.full(residuals.shape[1], np.nan)
+    drawn_at = [run.values for run, is_chosen in zip(runs, chosen, strict=True) if is_chosen]
+    expected = emulator.at(space.coordinates(space.shares(drawn_at))).mean
+    return np.asarray(np.sqrt(((expected - residuals[chosen]) ** 2).mean(axis=0)))
+
+
 def _scores(study: Study, found: CalibrationResult) -> list[Score]:
     best = found.runs[found.best].evaluated.folder
     groups = {
@@ -247,13 +274,21 @@ def _of_runs(found: CalibrationResult) -> list[str]:
 
 def _of_emulator(found: CalibrationResult) -> list[str]:
     rows = zip(found.residual_names, found.left_out.explained, found.left_out.rms, strict=True)
-    return [
+    told = [
         f"The emulator tells little of {name}: it explains {share:.0%} of its variance between "
         f"runs, and errs by {error:.2g} errors of the observation; the posterior allows for this, "
         "and more runs would narrow it."
         for name, share, error in rows
         if share < RELIABLE and error > 1.0
     ]
+    if np.isfinite(found.at_posterior).all():
+        worst = int(np.argmax(found.at_posterior))
+        told.append(
+            f"At the {len(found.folders(PREDICTIVE))} runs drawn from the posterior, which it does "
+            f"not know, the emulator errs by {found.at_posterior[worst]:.2g} errors of the "
+            f"observation at most, root mean square, of {found.residual_names[worst]}."
+        )
+    return told
 
 
 def _of_prediction(found: CalibrationResult) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +25,7 @@ EMULATOR = (
     "error of the emulator, each run by the others; rms in errors of the observation",
     "explained: share of the variance, Q2; standardized: rms of the error over the deviation",
     "  stated, about 1 if that is honest",
+    "at_posterior: rms of the error at the predictive runs, which it does not know",
 )
 CHECK = (
     "observed extents by groups of runs, in the part that was used and that held out",
@@ -63,7 +63,7 @@ def write_tables(found: CalibrationResult, target: Path) -> list[Path]:
             _summary(found),
         ),
         "emulator.csv": (
-            ["residual", "explained", "rms", "standardized"],
+            ["residual", "explained", "rms", "standardized", "at_posterior"],
             EMULATOR,
             _emulator(found),
         ),
@@ -98,6 +98,6 @@ def _summary(found: CalibrationResult) -> Iterator[Row]:
 def _emulator(found: CalibrationResult) -> Iterator[Row]:
     errors = found.left_out
     spread = (errors.standardized**2).mean(axis=0) ** 0.5
-    rows = zip(found.residual_names, errors.explained, errors.rms, spread, strict=True)
-    for name, *figures in rows:
-        yield [name, *("" if isnan(value) else float(value) for value in figures)]
+    columns = errors.explained, errors.rms, spread, found.at_posterior
+    for name, *figures in zip(found.residual_names, *columns, strict=True):
+        yield [name, *map(float, figures)]
