@@ -21,10 +21,14 @@ from debrisflow.study.calibration.parameter_space import ParameterSpace, scores_
 from debrisflow.study.calibration.posterior import Posterior, sampled
 from debrisflow.study.calibration.predictive import drawn
 from debrisflow.study.calibration.procedure import CalibrationResult, calibrate
+from debrisflow.study.designs import points_of
 from debrisflow.study.distributions import Values
+from debrisflow.study.loading import load_study
+from debrisflow.study.member import Cases
 from debrisflow.study.tables import Study
 
 Floats = NDArray[np.float64]
+STUDIES = Path(__file__).parents[2] / "cases" / "studies"
 NORMAL: dict[str, Any] = {"distribution": "normal", "mean": 0.0, "deviation": 1.0}
 
 
@@ -339,3 +343,12 @@ def test_verdicts_follow_the_widths() -> None:
     assert [one.verdict for one in found] == ["identified", "weakly identified"]
     assert found[0].ratio == pytest.approx(0.3, abs=0.02)
     assert coupled(space, sample) == []
+
+
+@pytest.mark.parametrize(
+    "path", sorted((Path(__file__).parents[2] / "cases/studies").glob("*.toml"))
+)
+def test_shipped_studies_are_right(path: Path) -> None:
+    study = load_study(path)
+    assert len(points_of(study)) > 0
+    assert Cases(study).at(points_of(study)[0]).title
