@@ -117,6 +117,27 @@ class Observed(NamedTuple):
     change: Floats | None
 
 
+class Extents(NamedTuple):
+    """The observed and the simulated extent on the grid of a run.
+
+    Attributes
+    ----------
+    terrain : Raster
+    observed, simulated, compared : (rows, columns) bool array
+        Reached cells, and those that are compared: where the terrain is known.
+    change : (rows, columns) float64 array or None
+        Of the elevation, m, if it was measured; nan where the file has no data.
+    threshold : float, m
+    """
+
+    terrain: Raster
+    observed: Flags
+    simulated: Flags
+    compared: Flags
+    change: Floats | None
+    threshold: float
+
+
 class Comparison(NamedTuple):
     """A run against what was observed.
 
@@ -151,6 +172,38 @@ def contingency(observed: Flags, simulated: Flags, compared: Flags) -> Contingen
 def compare_with_observed(run: Path, file: Path, threshold: float | None = None) -> Comparison:
     """Return the score of a run against an observed extent or a change of elevation.
 
+    Parameters are those of :func:`extents_of`.
+
+    Raises
+    ------
+    OutputError
+        If the run lacks a layer.
+    CaseError
+        If the file cannot be read, or does not fit the map of the run.
+    """
+    found = extents_of(run, file, threshold)
+    terrain, seen, simulated, compared, changed, threshold = found
+    grid = terrain.grid
+    agreement = contingency(seen, simulated, compared)
+    case = open_run(run).case
+    path = path_of(case, terrain)
+    least = max(threshold, case.output.layer_depth)
+    rows = [
+        Row("threshold", least, "m", "depth from which a cell is simulated"),
+        *_extent_rows(agreement, _unknown(changed) & simulated & compared, grid),
+        *_distance_rows(seen, simulated, path, grid),
+    ]
+    if changed is not None:
+        change = "change of elevation from which a cell is observed, and deposit counts"
+        rows.insert(1, Row("threshold_change", threshold, "m", change))
+        deposit = np.nan_to_num(read_layer(run, "deposit").values)
+        rows += _deposit_rows(np.nan_to_num(changed), deposit, compared, threshold, grid)
+    return Comparison(terrain, seen, simulated, compared, path, agreement, rows)
+
+
+def extents_of(run: Path, file: Path, threshold: float | None = None) -> Extents:
+    """Return an observed extent, or where an elevation has changed, and the extent of a run.
+
     Parameters
     ----------
     run : Path
@@ -179,21 +232,7 @@ def compare_with_observed(run: Path, file: Path, threshold: float | None = None)
     if not (seen.reached & compared).any():
         raise CaseError(f"{file}: nothing of what was observed lies on the map of {run}")
     simulated = np.nan_to_num(depth.values) > threshold
-    agreement = contingency(seen.reached, simulated, compared)
-    case = open_run(run).case
-    path = path_of(case, terrain)
-    least = max(threshold, case.output.layer_depth)
-    rows = [
-        Row("threshold", least, "m", "depth from which a cell is simulated"),
-        *_extent_rows(agreement, _unknown(seen.change) & simulated & compared, grid),
-        *_distance_rows(seen.reached, simulated, path, grid),
-    ]
-    if seen.change is not None:
-        change = "change of elevation from which a cell is observed, and deposit counts"
-        rows.insert(1, Row("threshold_change", threshold, "m", change))
-        deposit = np.nan_to_num(read_layer(run, "deposit").values)
-        rows += _deposit_rows(np.nan_to_num(seen.change), deposit, compared, threshold, grid)
-    return Comparison(terrain, seen.reached, simulated, compared, path, agreement, rows)
+    return Extents(terrain, seen.reached, simulated, compared, seen.change, threshold)
 
 
 def _ratio(part: float, whole: float) -> float:

@@ -132,6 +132,12 @@ class Extent(Table):
         "a perfect model would still have: errors of the map, of the terrain and of the physics",
         gt=0,
     )
+    false_error: float | None = field(
+        NONE,
+        "of the falsely reached area, if another: a survey overlooks where thin flow passed",
+        None,
+        gt=0,
+    )
 
 
 class Figure(Table):

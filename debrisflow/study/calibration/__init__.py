@@ -1,0 +1,1 @@
+"""Calibration: parameters by observations, what remains unknown of them, and what follows."""

@@ -1,0 +1,303 @@
+"""The fit as a whole: design, improvement, posterior, prediction, check."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from debrisflow.errors import CaseError
+from debrisflow.study.calibration.emulator import Emulator, LeaveOneOut
+from debrisflow.study.calibration.identifiability import (
+    Coupled,
+    Marginal,
+    coupled,
+    marginals,
+    sentences,
+)
+from debrisflow.study.calibration.improvement import NEGLIGIBLE, proposed
+from debrisflow.study.calibration.observations import (
+    Evaluate,
+    Evaluated,
+    misfits,
+    residual_names,
+    residuals_of,
+)
+from debrisflow.study.calibration.parameter_space import ParameterSpace
+from debrisflow.study.calibration.posterior import Posterior, sampled
+from debrisflow.study.calibration.predictive import Score, drawn, scores, skill
+from debrisflow.study.distributions import Values
+from debrisflow.study.tables import Calibration, Study
+
+Floats = NDArray[np.float64]
+DESIGN, IMPROVEMENT, PREDICTIVE = "design", "improvement", "predictive"
+RELIABLE = 0.5  # Q2, below which an emulator tells little
+
+
+class Run(NamedTuple):
+    """A run of a calibration.
+
+    Attributes
+    ----------
+    kind : str
+        ``design``, ``improvement`` or ``predictive``.
+    values : dict
+        Of the parameters, by name.
+    evaluated : Evaluated
+    """
+
+    kind: str
+    values: Values
+    evaluated: Evaluated
+
+
+class CalibrationResult(NamedTuple):
+    """What a calibration found.
+
+    Attributes
+    ----------
+    space : ParameterSpace
+    runs : list of Run
+        In the order in which they were computed.
+    residuals : (runs, residuals) float64 array
+        nan of failed runs.
+    residual_names : list of str
+    left_out : LeaveOneOut
+        Error of the emulator.
+    at_posterior : (residuals,) float64 array
+        Root mean square of its error at the predictive runs, in errors of the observation; nan if
+        there are none.
+    posterior : Posterior
+    marginals : list of Marginal
+    coupled : list of Coupled
+    scores : list of Score
+        Of the observed extents.
+    notes : list of str
+        Sentences for people: what is known, how well it is founded, what to doubt.
+    files : list of Path
+    """
+
+    space: ParameterSpace
+    runs: list[Run]
+    residuals: Floats
+    residual_names: list[str]
+    left_out: LeaveOneOut
+    at_posterior: Floats
+    posterior: Posterior
+    marginals: list[Marginal]
+    coupled: list[Coupled]
+    scores: list[Score]
+    notes: list[str]
+    files: list[Path]
+
+    @property
+    def misfits(self) -> Floats:
+        """Sum of the squares of the residuals of each run, (runs,); nan of failed ones."""
+        return misfits(self.residuals)
+
+    @property
+    def best(self) -> int:
+        """Number of the run of least misfit, among those computed to find it."""
+        is_chosen = np.array([run.kind != PREDICTIVE for run in self.runs])
+        return int(np.nanargmin(np.where(is_chosen, self.misfits, np.nan)))
+
+    def folders(self, kind: str) -> list[Path]:
+        """Return the folders of the finished runs of a kind."""
+        return [
+            run.evaluated.folder
+            for run in self.runs
+            if run.kind == kind and run.evaluated.folder is not None
+        ]
+
+
+def calibrate(
+    study: Study,
+    design: Sequence[Values],
+    evaluate: Evaluate,
+    target: Path,
+    at_once: int = 1,
+) -> CalibrationResult:
+    """Fit the parameters of a study to its observations, and write tables and plots.
+
+    Parameters
+    ----------
+    study : Study
+        With a calibration, checked.
+    design : sequence of dict
+        Values of the parameters in the runs of its design.
+    evaluate : callable
+        Computes the study at some points.
+    target : Path
+        Folder of the files.
+    at_once : int
+        How many runs are computed at the same time.
+
+    Raises
+    ------
+    CaseError
+        If the runs give too little for a fit.
+    OutputError
+        If the folder cannot be written.
+    """
+    from debrisflow.study.calibration.plots import write_plots
+    from debrisflow.study.calibration.result_tables import write_tables
+
+    wanted = study.calibration
+    assert wanted is not None, "the check of a study sees to it"
+    space = ParameterSpace.of(study)
+    runs = _computed(DESIGN, design, evaluate)
+    notes = _improve(study, wanted, space, runs, evaluate, at_once)
+    emulator, residuals = _emulator(study, space, runs, wanted.seed)
+    posterior = sampled(emulator, space, wanted.seed)
+    if wanted.predictive:
+        points = drawn(space, posterior.scores, wanted.predictive, wanted.seed)
+        runs += _computed(PREDICTIVE, points, evaluate)
+        residuals = residuals_of(study, [run.evaluated for run in runs])
+    left_out = emulator.left_out()
+    known, pairs = marginals(space, posterior.scores), coupled(space, posterior.scores)
+    found = CalibrationResult(
+        space,
+        runs,
+        residuals,
+        residual_names(study),
+        left_out,
+        _error_at_posterior(emulator, space, runs, residuals),
+        posterior,
+        known,
+        pairs,
+        scores=[],
+        notes=[],
+        files=[],
+    )
+    found = found._replace(scores=_scores(study, found))
+    notes = [
+        *_of_runs(found),
+        *notes,
+        *sentences(known, pairs),
+        *_of_emulator(found),
+        *posterior.doubts,
+        *_of_prediction(found),
+    ]
+    found = found._replace(notes=notes)
+    return found._replace(files=[*write_tables(found, target), *write_plots(found, target)])
+
+
+def _computed(kind: str, points: Sequence[Values], evaluate: Evaluate) -> list[Run]:
+    results = evaluate(points)
+    return [Run(kind, values, one) for values, one in zip(points, results, strict=True)]
+
+
+def _improve(
+    study: Study,
+    wanted: Calibration,
+    space: ParameterSpace,
+    runs: list[Run],
+    evaluate: Evaluate,
+    at_once: int,
+) -> list[str]:
+    """Add runs where the misfit may be less, and say why no more are added."""
+    while (left := wanted.runs - len(runs)) > 0:
+        emulator, residuals = _emulator(study, space, runs, wanted.seed)
+        shares = space.shares([run.values for run in runs])
+        has_failed = np.isnan(residuals).any(axis=1)
+        proposal = proposed(
+            emulator,
+            space,
+            shares[~has_failed],
+            shares[has_failed],
+            min(at_once, left),
+            wanted.seed + len(runs),
+        )
+        if proposal.improvement < NEGLIGIBLE:
+            return [
+                f"No more than {len(runs)} of {wanted.runs} runs were needed: another one would "
+                f"lower the misfit by {proposal.improvement:.2g} on average."
+            ]
+        runs += _computed(IMPROVEMENT, space.points(proposal.shares), evaluate)
+    return []
+
+
+def _emulator(
+    study: Study, space: ParameterSpace, runs: Sequence[Run], seed: int
+) -> tuple[Emulator, Floats]:
+    """Return the emulator of the finished runs, and the residuals of all."""
+    residuals = residuals_of(study, [run.evaluated for run in runs])
+    is_finished = ~np.isnan(residuals).any(axis=1)
+    least = len(space.names) + 2
+    if is_finished.sum() < least:
+        raise CaseError(
+            f"calibration: {is_finished.sum()} of {len(runs)} runs have finished, and a fit of "
+            f"{len(space.names)} parameters needs {least}; see why the others failed, or enlarge "
+            "the design"
+        )
+    places = space.coordinates(space.shares([run.values for run in runs]))
+    return Emulator(places[is_finished], residuals[is_finished], seed), residuals
+
+
+def _error_at_posterior(
+    emulator: Emulator, space: ParameterSpace, runs: Sequence[Run], residuals: Floats
+) -> Floats:
+    """Return how far the emulator was off at the predictive runs, which it does not know."""
+    chosen = np.array([run.kind == PREDICTIVE for run in runs]) & np.isfinite(residuals).all(axis=1)
+    if not chosen.any():
+        return np.full(residuals.shape[1], np.nan)
+    drawn_at = [run.values for run, is_chosen in zip(runs, chosen, strict=True) if is_chosen]
+    expected = emulator.at(space.coordinates(space.shares(drawn_at))).mean
+    return np.asarray(np.sqrt(((expected - residuals[chosen]) ** 2).mean(axis=0)))
+
+
+def _scores(study: Study, found: CalibrationResult) -> list[Score]:
+    best = found.runs[found.best].evaluated.folder
+    groups = {
+        "best fit": [best] if best is not None else [],
+        DESIGN: found.folders(DESIGN),
+        PREDICTIVE: found.folders(PREDICTIVE),
+    }
+    return scores(study, {name: folders for name, folders in groups.items() if folders})
+
+
+def _of_runs(found: CalibrationResult) -> list[str]:
+    failed = int(np.isnan(found.misfits).sum())
+    best = found.runs[found.best]
+    values = ", ".join(f"{name} = {best.values[name]:.4g}" for name in found.space.names)
+    told = [
+        f"The best of the computed runs has {values}; the sum of its squared residuals is "
+        f"{found.misfits[found.best]:.3g} of {len(found.residual_names)} residuals."
+    ]
+    if failed:
+        told.append(f"{failed} of {len(found.runs)} runs failed and are left out.")
+    return told
+
+
+def _of_emulator(found: CalibrationResult) -> list[str]:
+    rows = zip(found.residual_names, found.left_out.explained, found.left_out.rms, strict=True)
+    told = [
+        f"The emulator tells little of {name}: it explains {share:.0%} of its variance between "
+        f"runs, and errs by {error:.2g} errors of the observation; the posterior allows for this, "
+        "and more runs would narrow it."
+        for name, share, error in rows
+        if share < RELIABLE and error > 1.0
+    ]
+    if np.isfinite(found.at_posterior).all():
+        worst = int(np.argmax(found.at_posterior))
+        told.append(
+            f"At the {len(found.folders(PREDICTIVE))} runs drawn from the posterior, which it does "
+            f"not know, the emulator errs by {found.at_posterior[worst]:.2g} errors of the "
+            f"observation at most, root mean square, of {found.residual_names[worst]}."
+        )
+    return told
+
+
+def _of_prediction(found: CalibrationResult) -> list[str]:
+    told = []
+    for (extent, part), value in skill(found.scores, PREDICTIVE, DESIGN).items():
+        where = "that was held out" if part == "held out" else "that was used"
+        verdict = "better" if value > 0.0 else "no better"
+        told.append(
+            f"In the part of {extent} {where} the fitted runs predict {verdict} than those of the "
+            f"design: Brier skill {value:.2f}."
+        )
+    return told

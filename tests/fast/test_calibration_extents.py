@@ -1,0 +1,98 @@
+"""Observed extents in a calibration, by cells that can be counted by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from debrisflow.case.rasters import MapGrid, Raster, write_raster
+from debrisflow.errors import CaseError
+from debrisflow.study.calibration.observations import Evaluated, residuals_of
+from debrisflow.study.calibration.predictive import scores, skill
+from debrisflow.study.tables import Study
+
+GRID = MapGrid(0.0, 0.0, 10.0, 4, 2)
+OBSERVED = [[1.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
+RUNS = {
+    "short": [[1.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]],
+    "long": [[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 1.0, 1.0]],
+}
+
+
+@pytest.fixture
+def folders(tmp_path: Path) -> dict[str, Path]:
+    """Return the folders of runs that reach some cells of a map of two rows."""
+    write_raster(tmp_path / "change.asc", Raster(GRID, np.array(OBSERVED)))
+    for name, depth in RUNS.items():
+        layers = tmp_path / name / "layers"
+        layers.mkdir(parents=True)
+        write_raster(layers / "terrain.asc", Raster(GRID, np.ones(GRID.shape)))
+        write_raster(layers / "peak_depth.asc", Raster(GRID, np.array(depth)))
+    return {name: tmp_path / name for name in RUNS}
+
+
+def study_of(folder: Path, held_out: dict[str, list[float]] | None = None) -> Study:
+    """Return a study of the extent, with errors of 0.5 of what is missed and 0.25 of the rest."""
+    law = {"distribution": "uniform", "low": 0.0, "high": 1.0}
+    observation = {
+        "type": "extent",
+        "file": str(folder / "change.asc"),
+        "error": 0.5,
+        "false_error": 0.25,
+    }
+    return Study.model_validate(
+        {
+            "title": "an extent",
+            "case": "none.toml",
+            "parameter": [{"name": "mu", "key": "mu", **law}],
+            "design": {"type": "latin-hypercube", "members": 8},
+            "observation": [observation],
+            "calibration": {"runs": 12, "held_out": held_out},
+        }
+    )
+
+
+def test_residuals_are_missed_and_false_shares_over_their_errors(
+    folders: dict[str, Path], tmp_path: Path
+) -> None:
+    runs = [Evaluated(folders["short"], {}), Evaluated(folders["long"], {}), Evaluated(None, {})]
+    found = residuals_of(study_of(tmp_path), runs)
+    # of 4 observed cells: 2 missed and 1 false; none and 2
+    expected = [[0.5 / 0.5, 0.25 / 0.25], [0.0, 0.5 / 0.25], [np.nan, np.nan]]
+    np.testing.assert_allclose(found, expected)
+
+
+def test_held_out_part_is_not_fitted(folders: dict[str, Path], tmp_path: Path) -> None:
+    study = study_of(tmp_path, {"x": [20.0, 40.0]})
+    found = residuals_of(study, [Evaluated(folder, {}) for folder in folders.values()])
+    # the two columns to the left: of 2 observed cells none is missed, 1 is false; none
+    np.testing.assert_allclose(found, [[0.0, 0.5 / 0.25], [0.0, 0.0]])
+    everything = study_of(tmp_path, {"x": [0.0, 40.0]})
+    with pytest.raises(CaseError, match="make the part smaller"):
+        residuals_of(everything, [Evaluated(folders["long"], {})])
+
+
+def test_scores_are_those_counted_by_hand(folders: dict[str, Path], tmp_path: Path) -> None:
+    study = study_of(tmp_path, {"x": [20.0, 40.0]})
+    short, long = folders.values()
+    groups = {"best fit": [long], "design": [short, long], "predictive": [long, long]}
+    found = {(row.part, row.runs): row for row in scores(study, groups)}
+    assert [row.part for row in found.values()] == ["used"] * 3 + ["held out"] * 3
+    best, design = found["held out", "best fit"], found["held out", "design"]
+    # to the right 2 cells are observed, both of them reached with 2 more; by the short run none
+    assert (best.csi, best.missed, best.false, best.brier) == (0.5, 0.0, 1.0, 1.0)
+    assert (design.members, design.csi, design.missed, design.false) == (2, 0.25, 0.5, 0.5)
+    assert design.brier == pytest.approx(4 * 0.5**2 / 2)
+    assert (design.covered, best.covered) == (1.0, 1.0)
+    gain = skill(list(found.values()), "predictive", "design")
+    assert gain["extent", "held out"] == pytest.approx(1.0 - 1.0 / 0.5)
+    # to the left the short run has one false cell, which the design has by half
+    assert found["used", "design"].brier == pytest.approx(0.5**2 / 2)
+    assert gain["extent", "used"] == pytest.approx(1.0)
+
+
+def test_without_a_held_out_part_all_is_used(folders: dict[str, Path], tmp_path: Path) -> None:
+    (row,) = scores(study_of(tmp_path), {"best fit": [folders["long"]]})
+    assert (row.part, row.csi) == ("used", 4 / 6)
