@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from debrisflow.run.atomic import made
 from debrisflow.run.tables import Row, write_table
-from debrisflow.study.names import EFFECTS, MAPS, SENSITIVITY, TABLE
+from debrisflow.study.names import CALIBRATION, EFFECTS, MAPS, SENSITIVITY, TABLE
 from debrisflow.study.report import study_report
 from debrisflow.study.results import Results
 from debrisflow.study.sweep import Sweep, Told
@@ -45,6 +45,10 @@ def analyze(
     if results.finished:
         written += write_study_maps(results, sweep.folder / MAPS)
         written += write_sensitivities(results, sweep.folder / SENSITIVITY)
+    if sweep.study.calibration:
+        from debrisflow.study.fit import fit
+
+        written += fit(sweep, client, threads, told, sweep.folder / CALIBRATION)
     return [*written, study_report(results, sweep.folder)]
 
 

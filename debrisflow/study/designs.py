@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from debrisflow.study.correlations import correlated, correlation_matrix, in_order_of
-from debrisflow.study.distributions import AnyParameter, Choice, Value
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import AnyParameter, Choice, Value, Values
 from debrisflow.study.scenarios import read_scenarios
 from debrisflow.study.tables import (
     Grid,

@@ -14,6 +14,8 @@ from debrisflow.case.fields import NAME_PATTERN, NONE, Series, Table, quantity
 Floats = NDArray[np.float64]
 Value = float | str
 """Of a parameter: a number, or a word, as the name of a law or of a file."""
+Values = dict[str, Value]
+"""Of the parameters, by their names."""
 
 
 class Parameter(Table):

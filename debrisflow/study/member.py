@@ -15,11 +15,9 @@ from debrisflow.case.content import content_of, digest_of
 from debrisflow.case.loading import tables_of_file
 from debrisflow.case.overrides import apply_overrides
 from debrisflow.errors import CaseError
-from debrisflow.study.distributions import AnyParameter, Value
+from debrisflow.study.distributions import AnyParameter, Value, Values
 from debrisflow.study.tables import Study
 
-Values = dict[str, Value]
-"""Values of the parameters by their names."""
 DIGITS = 16  # of the digest in the name of a folder
 WORDS = ("title", "notes")  # which change no result
 
@@ -114,9 +112,7 @@ class Cases:
         return f"{'.'.join(parts)}={toml_of(value)}"
 
 
-def members_of(
-    cases: Cases, store: Path, points: Sequence[Values], program: str, first: int = 0
-) -> list[Member]:
+def members_of(cases: Cases, store: Path, points: Sequence[Values], program: str) -> list[Member]:
     """Return the members at some points.
 
     Parameters
@@ -128,8 +124,6 @@ def members_of(
         Values of the parameters by name.
     program : str
         The program and what its machine code comes from: another one has other results.
-    first : int
-        Number of the first member.
 
     Raises
     ------
@@ -137,7 +131,7 @@ def members_of(
         If a case is wrong.
     """
     made = []
-    for number, values in enumerate(points, first):
+    for number, values in enumerate(points):
         case = cases.at(values)
         digest = address(case, program)
         made.append(Member(number, values, case, digest, store / digest[:DIGITS]))

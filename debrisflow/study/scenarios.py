@@ -11,8 +11,7 @@ from pathlib import Path
 from debrisflow.case.words import did_you_mean, either
 from debrisflow.errors import CaseError
 from debrisflow.files import text_of
-from debrisflow.study.distributions import AnyParameter, Choice, Continuous, Value
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import AnyParameter, Choice, Continuous, Value, Values
 
 LABEL = "scenario"  # a column for the reader of the file
 

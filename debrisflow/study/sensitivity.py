@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from debrisflow.run.tables import write_table
 from debrisflow.study.designs import numbers_of, problem_of
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import Values
 from debrisflow.study.tables import (
     LatinHypercube,
     Morris,

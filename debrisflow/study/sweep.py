@@ -14,10 +14,11 @@ from debrisflow.run.atomic import made, replaced
 from debrisflow.run.forecast import forecast
 from debrisflow.run.lock import locked
 from debrisflow.study.designs import points_of
+from debrisflow.study.distributions import Values
 from debrisflow.study.engine import computed, connected, expect_fit, local_cluster, workers_for
 from debrisflow.study.loading import load_study
 from debrisflow.study.map_checks import expect_told_apart
-from debrisflow.study.member import Cases, Member, Values, members_of
+from debrisflow.study.member import Cases, Member, members_of
 from debrisflow.study.names import MEMBERS, PLAN
 from debrisflow.study.outcome import Outcome, read_outcome
 from debrisflow.study.results import Results
@@ -79,7 +80,7 @@ class Sweep:
     @cached_property
     def members(self) -> list[Member]:
         """The members of the design."""
-        return self._members_at(points_of(self.study), 0)
+        return self._members_at(points_of(self.study))
 
     @cached_property
     def need(self) -> float:
@@ -169,22 +170,27 @@ class Sweep:
                 told(member, outcome)
         return [found[one.number] for one in members]
 
-    def add(self, points: Sequence[Values]) -> list[Member]:
-        """Return further members at some points, after those of the design and added before.
+    def at(self, points: Sequence[Values]) -> list[Member]:
+        """Return the members at some points, those that are new after the others.
 
         Raises
         ------
         CaseError
             If a case is wrong.
         """
-        first = len(self.members) + len(self._further)
-        made_now = self._members_at(points, first)
-        self._further += made_now
+        known = {one.digest: one for one in (*self.members, *self._further)}
+        found = []
+        for member in self._members_at(points):
+            if member.digest not in known:
+                member = member._replace(number=len(self.members) + len(self._further))
+                known[member.digest] = member
+                self._further.append(member)
+            found.append(known[member.digest])
         self._write_plan()
-        return made_now
+        return found
 
-    def _members_at(self, points: Sequence[Values], first: int) -> list[Member]:
-        return members_of(self.cases, self.store, points, self._program, first)
+    def _members_at(self, points: Sequence[Values]) -> list[Member]:
+        return members_of(self.cases, self.store, points, self._program)
 
     @cached_property
     def _program(self) -> str:

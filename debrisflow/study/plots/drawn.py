@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from debrisflow import __version__
 from debrisflow.results.plots.style import save, styled
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import Values
 from debrisflow.study.plots.effects import morris_figure, shares_figure
 from debrisflow.study.plots.scatter import EXPLANATION, scatter_figure
 from debrisflow.study.plots.tornado import explanation, tornado_figure

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from debrisflow.results.plots.style import BLUE, ORANGE, panels
 from debrisflow.study.designs import numbers_of
-from debrisflow.study.distributions import Choice
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import Choice, Values
 from debrisflow.study.plots.labels import is_of_words, label_of, parameter_label, shown_value
 from debrisflow.study.tables import Study
 

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow.results.plots.style import BLUE, GRAY, ORANGE, panels
 from debrisflow.study.designs import numbers_of
-from debrisflow.study.distributions import AnyParameter, Choice, Value
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import AnyParameter, Choice, Value, Values
 from debrisflow.study.plots.labels import is_of_words, label_of, parameter_label, shown_value
 from debrisflow.study.sensitivity import moved_alone
 from debrisflow.study.tables import OneAtATime, Study
