@@ -198,6 +198,34 @@ def test_posterior_of_a_linear_model_is_the_closed_form(correlation: float) -> N
     assert np.all(np.abs(np.cov(posterior.scores.T) - covariance) < 2.0 * error * scale)
 
 
+@pytest.mark.usefixtures("undrawn")
+def test_posterior_of_a_curved_model_is_that_by_quadrature() -> None:
+    """As of a flow whose friction and decaying pore pressure an arrival and a run-out tell."""
+
+    def arrival(friction: Any, share: Any) -> Any:
+        return 12.0 + 330.0 * (friction * (1.0 - 0.8 * share)) ** 2
+
+    def runout(friction: Any, share: Any) -> Any:
+        return 350.0 * np.exp(-4.0 * friction) * (1.0 + 0.3 * share)
+
+    bounds = {"first": (0.1, 0.3), "second": (0.0, 0.8)}
+    parameters = [
+        {"name": name, "key": name, "distribution": "uniform", "low": low, "high": high}
+        for name, (low, high) in bounds.items()
+    ]
+    observed = {"arrival": (17.5, 0.5), "runout": (178.0, 8.0)}
+    study = study_of(observed, runs=30, parameter=parameters)
+    found = fitted(study, model(arrival=arrival, runout=runout), 14)
+    x, y = np.meshgrid(*(np.linspace(*ends, 301) for ends in bounds.values()), indexing="ij")
+    values = {"arrival": arrival(x, y), "runout": runout(x, y)}
+    squares = [((values[name] - one) / error) ** 2 for name, (one, error) in observed.items()]
+    density = np.exp(-0.5 * sum(squares))
+    for axis, (one, ends) in enumerate(zip(found.marginals, bounds.values(), strict=True)):
+        below = np.cumsum(density.sum(axis=1 - axis)) / density.sum()
+        exact = np.interp([0.05, 0.5, 0.95], below, np.linspace(*ends, 301))
+        np.testing.assert_allclose(one.posterior, exact, atol=0.05 * (exact[2] - exact[0]))
+
+
 def test_chains_that_are_too_short_or_stuck_are_said_so() -> None:
     short = Posterior(np.zeros((4, 1)), 100.0, 1000, 10.0, 0.02)
     assert len(short.doubts) == 2
