@@ -167,7 +167,7 @@ def test_points_computed_at_once_keep_apart_from_each_other_and_from_failures() 
     gaps = np.abs(first[:, None] - first[None, :]).max(axis=2)[np.triu_indices(3, 1)]
     assert gaps.min() >= 0.01
     beside = proposed(emulator, SQUARE, shares, first[:1], 1, 0).shares
-    assert np.abs(beside - first[0]).max() >= 0.01
+    assert np.abs(beside - first[0]).max() >= 0.1
 
 
 def linear_posterior(correlation: float) -> tuple[Posterior, Floats, Floats]:
