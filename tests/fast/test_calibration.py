@@ -309,6 +309,22 @@ def test_search_ends_early_when_nothing_is_to_be_gained() -> None:
 
 
 @pytest.mark.usefixtures("undrawn")
+def test_runs_are_chosen_as_many_at_once_as_there_are_workers(tmp_path: Path) -> None:
+    study = study_of({"product": (0.3, 0.1), "first_only": (0.4, 0.2)}, runs=13)
+    works = model(product=lambda x, y: x * y, first_only=lambda x, y: x)
+    counts: list[int] = []
+
+    def evaluate(points: Sequence[Values]) -> list[Evaluated]:
+        counts.append(len(points))
+        return works(points)
+
+    found = calibrate(study, design_of(study), evaluate, tmp_path, at_once=3)
+    assert counts[0] == 8
+    assert max(counts[1:]) == 3
+    assert sum(counts) == len(found.runs) <= 13
+
+
+@pytest.mark.usefixtures("undrawn")
 def test_failed_runs_are_left_out_and_counted() -> None:
     study = study_of({"first_only": (0.5, 0.1), "sum": (0.5, 0.2)}, runs=14)
     works = model(first_only=lambda x, y: x, sum=lambda x, y: x + y)
