@@ -167,7 +167,7 @@ def test_points_computed_at_once_keep_apart_from_each_other_and_from_failures() 
     gaps = np.abs(first[:, None] - first[None, :]).max(axis=2)[np.triu_indices(3, 1)]
     assert gaps.min() >= 0.01
     beside = proposed(emulator, SQUARE, shares, first[:1], 1, 0).shares
-    assert np.abs(beside - first[0]).max() >= 0.01
+    assert np.abs(beside - first[0]).max() >= 0.1
 
 
 def linear_posterior(correlation: float) -> tuple[Posterior, Floats, Floats]:
@@ -196,6 +196,34 @@ def test_posterior_of_a_linear_model_is_the_closed_form(correlation: float) -> N
     assert np.all(np.abs(posterior.scores.mean(axis=0) - mean) < error * deviation)
     scale = np.outer(deviation, deviation)
     assert np.all(np.abs(np.cov(posterior.scores.T) - covariance) < 2.0 * error * scale)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_posterior_of_a_curved_model_is_that_by_quadrature() -> None:
+    """As of a flow whose friction and decaying pore pressure an arrival and a run-out tell."""
+
+    def arrival(friction: Any, share: Any) -> Any:
+        return 12.0 + 330.0 * (friction * (1.0 - 0.8 * share)) ** 2
+
+    def runout(friction: Any, share: Any) -> Any:
+        return 350.0 * np.exp(-4.0 * friction) * (1.0 + 0.3 * share)
+
+    bounds = {"first": (0.1, 0.3), "second": (0.0, 0.8)}
+    parameters = [
+        {"name": name, "key": name, "distribution": "uniform", "low": low, "high": high}
+        for name, (low, high) in bounds.items()
+    ]
+    observed = {"arrival": (17.5, 0.5), "runout": (178.0, 8.0)}
+    study = study_of(observed, runs=30, parameter=parameters)
+    found = fitted(study, model(arrival=arrival, runout=runout), 14)
+    x, y = np.meshgrid(*(np.linspace(*ends, 301) for ends in bounds.values()), indexing="ij")
+    values = {"arrival": arrival(x, y), "runout": runout(x, y)}
+    squares = [((values[name] - one) / error) ** 2 for name, (one, error) in observed.items()]
+    density = np.exp(-0.5 * sum(squares))
+    for axis, (one, ends) in enumerate(zip(found.marginals, bounds.values(), strict=True)):
+        below = np.cumsum(density.sum(axis=1 - axis)) / density.sum()
+        exact = np.interp([0.05, 0.5, 0.95], below, np.linspace(*ends, 301))
+        np.testing.assert_allclose(one.posterior, exact, atol=0.05 * (exact[2] - exact[0]))
 
 
 def test_chains_that_are_too_short_or_stuck_are_said_so() -> None:
@@ -278,6 +306,22 @@ def test_search_ends_early_when_nothing_is_to_be_gained() -> None:
     found = fitted(study, model(first_only=lambda first, second: first))
     assert len(found.runs) < 25
     assert any(note.startswith("No more than") for note in found.notes)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_runs_are_chosen_as_many_at_once_as_there_are_workers(tmp_path: Path) -> None:
+    study = study_of({"product": (0.3, 0.1), "first_only": (0.4, 0.2)}, runs=13)
+    works = model(product=lambda x, y: x * y, first_only=lambda x, y: x)
+    counts: list[int] = []
+
+    def evaluate(points: Sequence[Values]) -> list[Evaluated]:
+        counts.append(len(points))
+        return works(points)
+
+    found = calibrate(study, design_of(study), evaluate, tmp_path, at_once=3)
+    assert counts[0] == 8
+    assert max(counts[1:]) == 3
+    assert sum(counts) == len(found.runs) <= 13
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -21,6 +21,7 @@ BEST_RUNS, AROUND, NEAR = 3, 64, 0.05  # candidates near runs, and how near, as 
 EDGES = (0.005, 0.995)  # shares between which runs are chosen: a prior may have no bounds
 SEARCHES = 3
 LEAST_DISTANCE = 0.01  # share, between two runs
+FROM_FAILURES = 0.1  # share, since what lies beside a run that failed is likely to fail too
 
 
 class Proposal(NamedTuple):
@@ -52,8 +53,7 @@ def proposed(
     emulator : Emulator
     space : ParameterSpace
     runs, failed : (runs, parameters) float64 array
-        Shares of the runs of the emulator, and of those that failed; beside neither is computed
-        again.
+        Shares of the runs of the emulator, and of those that failed.
     count : int
         Of points that are computed at the same time, at most.
     seed : int
@@ -71,13 +71,13 @@ def proposed(
     best = runs[np.argsort(misfits(emulator.residuals))[:BEST_RUNS]]
     candidates = _candidates(best, seed)
     for _ in range(count):
-        taken = np.vstack([runs, failed, *points])
+        taken = np.vstack([runs, *points])
 
         def gains(shares: Floats, emulator: Emulator = emulator, taken: Floats = taken) -> Floats:
-            apart = np.abs(shares[:, None, :] - taken).max(axis=2).min(axis=1)
+            is_free = _is_apart(shares, taken, LEAST_DISTANCE)
+            is_free &= _is_apart(shares, failed, FROM_FAILURES)
             places = space.coordinates(shares)
-            found = expected_improvement(emulator, places, draws, least)
-            return np.where(apart < LEAST_DISTANCE, 0.0, found)
+            return np.where(is_free, expected_improvement(emulator, places, draws, least), 0.0)
 
         point, gain = _greatest(gains, candidates)
         if points and gain <= 0.0:
@@ -105,6 +105,12 @@ def expected_improvement(emulator: Emulator, places: Floats, draws: Floats, leas
     for k in range(mean.shape[1]):
         misfit += (mean[:, k, None] + np.sqrt(variance[:, k, None]) * draws[:, k]) ** 2
     return np.asarray(np.maximum(least - misfit, 0.0).mean(axis=1))
+
+
+def _is_apart(shares: Floats, taken: Floats, least: float) -> NDArray[np.bool_]:
+    """Return whether points are farther than a distance from all that are taken."""
+    distance = np.abs(shares[:, None, :] - taken).max(axis=2)
+    return np.asarray((distance >= least).all(axis=1))
 
 
 def _draws(residuals: int, seed: int) -> Floats:
