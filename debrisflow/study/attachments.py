@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from debrisflow.results.html import Picture, is_picture, picture_of
 from debrisflow.run.reading import text_of
 
 MOST_ROWS = 60  # of a table that is shown on the page
-FIRST = ("summary", "extents")  # tables that answer, before those that they come from
+FIRST = ("tornado", "summary", "extents")  # what answers, before what it comes from
 STYLES = (".qml",)  # of rasters beside them
 
 
@@ -32,7 +33,7 @@ class Table(NamedTuple):
     link : Link
         To its file.
     notes : list of str
-        The comments at its head.
+        The comments at its head; none if they are those of the table before.
     columns : list of str
     rows : list of list of str
         None where there are too many to be shown.
@@ -70,23 +71,29 @@ class Attachments(NamedTuple):
         return any(self)
 
 
-def attachments(folder: Path) -> Attachments:
+def attachments(folder: Path, subjects: Sequence[str] = ()) -> Attachments:
     """Return the pictures, tables and other files in a folder beside the page.
 
     Parameters
     ----------
     folder : Path
         There may be none.
+    subjects : sequence of str
+        With which names of files begin, in the order in which these are shown.
     """
+    before: list[str] = []
     found = Attachments([], [], [], [])
-    for file in _files(folder):
+    for file in _files(folder, subjects):
         link = Link(file.name, quote(f"{folder.name}/{file.name}"))
         if file.suffix == ".png" and is_picture(file):
             name = file.stem.replace("_", " ")
             found.pictures.append(picture_of(file, name, name))
         elif file.suffix == ".csv":
             try:
-                found.tables.append(table_of(text_of(file), link))
+                table = table_of(text_of(file), link)
+                same = table.notes == before
+                found.tables.append(table._replace(notes=[]) if same else table)
+                before = table.notes
             except (OutputError, csv.Error) as error:
                 found.problems.append(f"{link.name} cannot be read: {error}")
         else:
@@ -94,11 +101,17 @@ def attachments(folder: Path) -> Attachments:
     return found
 
 
-def _files(folder: Path) -> list[Path]:
+def _files(folder: Path, subjects: Sequence[str]) -> list[Path]:
     """Return the files of a folder, in the order in which the page shows them."""
     found = [file for file in folder.iterdir() if file.is_file()] if folder.is_dir() else []
     shown = [file for file in found if file.suffix not in STYLES and not file.name.startswith(".")]
-    return sorted(shown, key=lambda file: (file.stem not in FIRST, file.name))
+
+    def place(file: Path) -> tuple[int, bool, str]:
+        own = max((one for one in subjects if file.stem.startswith(one)), key=len, default=None)
+        number = len(subjects) if own is None else subjects.index(own)
+        return number, not file.stem.endswith(FIRST), file.name
+
+    return sorted(shown, key=place)
 
 
 def table_of(text: str, link: Link) -> Table:

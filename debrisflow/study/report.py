@@ -16,12 +16,13 @@ from debrisflow.results.parameters import summary as case_in_words
 from debrisflow.run.duration import duration
 from debrisflow.run.names import POSTPROCESS
 from debrisflow.study.attachments import Link, attachments
+from debrisflow.study.designs import is_sample
 from debrisflow.study.distributions import AnyParameter, Choice, Value
 from debrisflow.study.member import Member, flat, shown_values
 from debrisflow.study.names import CALIBRATION, MAPS, REPORT, SENSITIVITY, TABLE
 from debrisflow.study.outcome import FINISHED, STOPPED
 from debrisflow.study.results import Results
-from debrisflow.study.statistics import SAMPLES, Summary, summaries
+from debrisflow.study.statistics import Summary, summaries
 from debrisflow.study.wording import design_in_words, law_in_words, observation_in_words
 
 MOST_LISTED = 500  # members in the table of all
@@ -98,7 +99,12 @@ def study_report(results: Results, folder: Path) -> Path:
         If the page cannot be written.
     """
     path = folder / REPORT
-    parts = (_asked(results), _members(results, folder), _attached(folder), _origin(results))
+    parts = (
+        _asked(results),
+        _members(results, folder),
+        _attached(results, folder),
+        _origin(results),
+    )
     write_html(
         path,
         "study.html",
@@ -123,7 +129,7 @@ def _asked(results: Results) -> dict[str, Any]:
         "parameters": [_varied(one, results.members) for one in study.parameter],
         "correlations": study.correlation,
         "design": design_in_words(study.design),
-        "is_sample": study.design.type in SAMPLES,
+        "is_sample": is_sample(study.design),
         "observations": [observation_in_words(one) for one in study.observation],
     }
 
@@ -147,9 +153,11 @@ def _members(results: Results, folder: Path) -> dict[str, Any]:
     }
 
 
-def _attached(folder: Path) -> dict[str, Any]:
+def _attached(results: Results, folder: Path) -> dict[str, Any]:
     """Return what the analyses of the study left in its folder."""
-    return {name: attachments(folder / name) for name in (SENSITIVITY, MAPS, CALIBRATION)}
+    quantities = list(results.units)
+    folders = (SENSITIVITY, MAPS, CALIBRATION)
+    return {name: attachments(folder / name, quantities) for name in folders}
 
 
 def _origin(results: Results) -> dict[str, Any]:

@@ -262,6 +262,20 @@ def test_what_answers_stands_before_what_it_comes_from(tmp_path):
     assert found.links == []
 
 
+def test_pictures_stand_in_the_order_of_the_quantities(tmp_path):
+    for name in ("depth_scatter", "depth_tornado", "reach_tornado", "depth_at_dam_tornado"):
+        (tmp_path / f"{name}.png").write_bytes(PNG)
+    found = attachments(tmp_path, ["reach", "depth", "depth_at_dam"])
+    names = ["reach tornado", "depth tornado", "depth scatter", "depth at dam tornado"]
+    assert [one.name for one in found.pictures] == names
+
+
+def test_the_same_notes_are_not_said_twice(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.csv").write_text("# what it is\nx\n1\n")
+    assert [one.notes for one in attachments(tmp_path).tables] == [["what it is"], []]
+
+
 def test_a_folder_that_is_not_there_has_nothing(tmp_path):
     assert not attachments(tmp_path / "maps")
 
