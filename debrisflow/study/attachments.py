@@ -1,9 +1,9 @@
-"""Pictures and tables in the folders of a study, as its page shows them."""
+"""Pictures and tables that analyses of a study have written, as its page shows them."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
@@ -71,20 +71,19 @@ class Attachments(NamedTuple):
         return any(self)
 
 
-def attachments(folder: Path, subjects: Sequence[str] = ()) -> Attachments:
-    """Return the pictures, tables and other files in a folder beside the page.
+def attachments(files: Iterable[Path], subjects: Sequence[str] = ()) -> Attachments:
+    """Return pictures, tables and other files in folders beside the page.
 
     Parameters
     ----------
-    folder : Path
-        There may be none.
+    files : iterable of Path
     subjects : sequence of str
         With which names of files begin, in the order in which these are shown.
     """
     before: list[str] = []
     found = Attachments([], [], [], [])
-    for file in _files(folder, subjects):
-        link = Link(file.name, quote(f"{folder.name}/{file.name}"))
+    for file in _in_order(files, subjects):
+        link = Link(file.name, quote(f"{file.parent.name}/{file.name}"))
         if file.suffix == ".png" and is_picture(file):
             name = file.stem.replace("_", " ")
             found.pictures.append(picture_of(file, name, name))
@@ -101,16 +100,15 @@ def attachments(folder: Path, subjects: Sequence[str] = ()) -> Attachments:
     return found
 
 
-def _files(folder: Path, subjects: Sequence[str]) -> list[Path]:
-    """Return the files of a folder, in the order in which the page shows them."""
-    found = [file for file in folder.iterdir() if file.is_file()] if folder.is_dir() else []
-    shown = [file for file in found if file.suffix not in STYLES and not file.name.startswith(".")]
+def _in_order(files: Iterable[Path], subjects: Sequence[str]) -> list[Path]:
+    """Return the files that the page shows or links, in the order in which it does."""
 
     def place(file: Path) -> tuple[int, bool, str]:
         own = max((one for one in subjects if file.stem.startswith(one)), key=len, default=None)
         number = len(subjects) if own is None else subjects.index(own)
         return number, not file.stem.endswith(FIRST), file.name
 
+    shown = [file for file in files if file.is_file() and file.suffix not in STYLES]
     return sorted(shown, key=place)
 
 

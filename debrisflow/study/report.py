@@ -80,11 +80,8 @@ class Marked(NamedTuple):
     middle_value: float | None
 
 
-def study_report(results: Results, folder: Path) -> Path:
+def study_report(results: Results, folder: Path, written: Sequence[Path]) -> Path:
     """Write ``report.html`` of a study into its folder, and return it.
-
-    Pictures and tables that are in its folders ``sensitivity``, ``maps`` and ``calibration`` are on
-    it.
 
     Parameters
     ----------
@@ -92,6 +89,9 @@ def study_report(results: Results, folder: Path) -> Path:
         Of the design.
     folder : Path
         Of the study.
+    written : sequence of Path
+        What analyses have written into its folders ``sensitivity``, ``maps`` and ``calibration``;
+        other files in these may be those of a former study and are not on the page.
 
     Raises
     ------
@@ -99,16 +99,11 @@ def study_report(results: Results, folder: Path) -> Path:
         If the page cannot be written.
     """
     path = folder / REPORT
-    parts = (
-        _asked(results),
-        _members(results, folder),
-        _attached(results, folder),
-        _origin(results),
-    )
+    contents = _asked(results) | _members(results, folder) | _attached(results, folder, written)
     write_html(
         path,
         "study.html",
-        {key: value for part in parts for key, value in part.items()},
+        contents | _origin(results),
         package=PACKAGE,
         style="study.css",
     )
@@ -153,11 +148,13 @@ def _members(results: Results, folder: Path) -> dict[str, Any]:
     }
 
 
-def _attached(results: Results, folder: Path) -> dict[str, Any]:
-    """Return what the analyses of the study left in its folder."""
+def _attached(results: Results, folder: Path, written: Sequence[Path]) -> dict[str, Any]:
+    """Return what the analyses of the study have written, by its folders."""
     quantities = list(results.units)
-    folders = (SENSITIVITY, MAPS, CALIBRATION)
-    return {name: attachments(folder / name, quantities) for name in folders}
+    return {
+        name: attachments([file for file in written if file.parent == folder / name], quantities)
+        for name in (SENSITIVITY, MAPS, CALIBRATION)
+    }
 
 
 def _origin(results: Results) -> dict[str, Any]:

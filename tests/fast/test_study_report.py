@@ -66,7 +66,8 @@ def results_of(folder, study, message="it <diverged>", runout=RUNOUT):
 def page_of(folder, **known):
     """Return the text of the page of a study in a folder."""
     study = known.pop("study", None) or study_of()
-    return study_report(results_of(folder, study, **known), folder).read_text("utf-8")
+    written = known.pop("written", sorted(folder.glob("*/*")))
+    return study_report(results_of(folder, study, **known), folder, written).read_text("utf-8")
 
 
 class Reader(HTMLParser):
@@ -153,7 +154,7 @@ def test_the_worst_and_the_median_member_are_linked(tmp_path):
     study = study_of()
     results = results_of(tmp_path / "study", study)
     (results.members[1].folder / "postprocess/report.html").write_text("<p>")
-    page = study_report(results, tmp_path / "study").read_text()
+    page = study_report(results, tmp_path / "study", []).read_text()
     worst = page.partition("The worst and the median member")[2]
     assert f'<a href="members/{1:016x}/">1</a>' in row(worst, "runout length")[0]
     assert f'<a href="members/{1:016x}/postprocess/report.html">' in row(worst, "runout length")[0]
@@ -201,7 +202,7 @@ def test_every_link_leads_somewhere_and_every_element_is_closed(filled):
 def test_runs_in_a_store_elsewhere_are_linked(tmp_path):
     results = results_of(tmp_path / "store", study_of())
     (tmp_path / "study").mkdir()
-    page = study_report(results, tmp_path / "study").read_text()
+    page = study_report(results, tmp_path / "study", []).read_text()
     assert f'href="../store/members/{0:016x}/"' in page
 
 
@@ -257,7 +258,7 @@ def test_long_tables_are_linked_and_counted_only(filled):
 def test_what_answers_stands_before_what_it_comes_from(tmp_path):
     for name in ("runs.csv", "summary.csv", "emulator.csv", "x.qml"):
         (tmp_path / name).write_text("a\n1\n")
-    found = attachments(tmp_path)
+    found = attachments(tmp_path.iterdir())
     assert [one.link.name for one in found.tables] == ["summary.csv", "emulator.csv", "runs.csv"]
     assert found.links == []
 
@@ -265,7 +266,7 @@ def test_what_answers_stands_before_what_it_comes_from(tmp_path):
 def test_pictures_stand_in_the_order_of_the_quantities(tmp_path):
     for name in ("depth_scatter", "depth_tornado", "reach_tornado", "depth_at_dam_tornado"):
         (tmp_path / f"{name}.png").write_bytes(PNG)
-    found = attachments(tmp_path, ["reach", "depth", "depth_at_dam"])
+    found = attachments(tmp_path.iterdir(), ["reach", "depth", "depth_at_dam"])
     names = ["reach tornado", "depth tornado", "depth scatter", "depth at dam tornado"]
     assert [one.name for one in found.pictures] == names
 
@@ -273,11 +274,14 @@ def test_pictures_stand_in_the_order_of_the_quantities(tmp_path):
 def test_the_same_notes_are_not_said_twice(tmp_path):
     for name in ("a", "b"):
         (tmp_path / f"{name}.csv").write_text("# what it is\nx\n1\n")
-    assert [one.notes for one in attachments(tmp_path).tables] == [["what it is"], []]
+    assert [one.notes for one in attachments(tmp_path.iterdir()).tables] == [["what it is"], []]
 
 
-def test_a_folder_that_is_not_there_has_nothing(tmp_path):
-    assert not attachments(tmp_path / "maps")
+def test_files_of_a_former_study_are_not_shown(filled):
+    page = page_of(filled, written=[filled / "maps/convergence.csv"])
+    assert Reader(page).anchors == {"asked", "members", "quantities", "maps", "origin"}
+    assert "<img" not in page
+    assert "p_peak" not in page
 
 
 def test_a_quantity_that_no_member_has():
