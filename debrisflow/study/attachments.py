@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 from collections.abc import Iterable, Sequence
 from io import StringIO
 from pathlib import Path
@@ -71,19 +72,21 @@ class Attachments(NamedTuple):
         return any(self)
 
 
-def attachments(files: Iterable[Path], subjects: Sequence[str] = ()) -> Attachments:
-    """Return pictures, tables and other files in folders beside the page.
+def attachments(files: Iterable[Path], folder: Path, subjects: Sequence[str] = ()) -> Attachments:
+    """Return pictures, tables and other files for a page.
 
     Parameters
     ----------
     files : iterable of Path
+    folder : Path
+        Of the page.
     subjects : sequence of str
         With which names of files begin, in the order in which these are shown.
     """
     before: list[str] = []
     found = Attachments([], [], [], [])
     for file in _in_order(files, subjects):
-        link = Link(file.name, quote(f"{file.parent.name}/{file.name}"))
+        link = Link(file.name, address(file, folder))
         if file.suffix == ".png" and is_picture(file):
             name = file.stem.replace("_", " ")
             found.pictures.append(picture_of(file, name, name))
@@ -110,6 +113,20 @@ def _in_order(files: Iterable[Path], subjects: Sequence[str]) -> list[Path]:
 
     shown = [file for file in files if file.is_file() and file.suffix not in STYLES]
     return sorted(shown, key=place)
+
+
+def address(file: Path, folder: Path) -> str:
+    """Return how a page in a folder links to a file or folder: relative, where that is possible.
+
+    Examples
+    --------
+    >>> address(Path("runs/a/members/0f"), Path("runs/a")), address(Path("b/x y"), Path("a"))
+    ('members/0f', '../b/x%20y')
+    """
+    try:
+        return quote(Path(os.path.relpath(file, folder)).as_posix())
+    except ValueError:  # on another drive
+        return file.absolute().as_uri()
 
 
 def table_of(text: str, link: Link) -> Table:

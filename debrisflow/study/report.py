@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import quote
 
 from debrisflow import __version__
 from debrisflow.results.html import write_html
 from debrisflow.results.parameters import summary as case_in_words
 from debrisflow.run.duration import duration
 from debrisflow.run.names import POSTPROCESS
-from debrisflow.study.attachments import Link, attachments
+from debrisflow.study.attachments import Attachments, Link, address, attachments
 from debrisflow.study.designs import is_sample
 from debrisflow.study.distributions import AnyParameter, Choice, Value
 from debrisflow.study.member import Member, flat, shown_values
@@ -149,11 +147,18 @@ def _members(results: Results, folder: Path) -> dict[str, Any]:
 
 
 def _attached(results: Results, folder: Path, written: Sequence[Path]) -> dict[str, Any]:
-    """Return what the analyses of the study have written, by its folders."""
-    quantities = list(results.units)
+    """Return what the analyses of the study have written, by their folders."""
+
+    def found(place: Path) -> Attachments:
+        files = [file for file in written if file.parent == place]
+        return attachments(files, folder, list(results.units))
+
+    fitted = folder / CALIBRATION
     return {
-        name: attachments([file for file in written if file.parent == folder / name], quantities)
-        for name in (SENSITIVITY, MAPS, CALIBRATION)
+        "sensitivity": found(folder / SENSITIVITY),
+        "maps": found(folder / MAPS),
+        "calibration": found(fitted),
+        "posterior_maps": found(fitted / MAPS),
     }
 
 
@@ -208,20 +213,6 @@ def _linked(results: Results, folder: Path) -> Iterator[Linked]:
             Link("report", address(report, folder)) if report.is_file() else None,
             known,
         )
-
-
-def address(file: Path, folder: Path) -> str:
-    """Return how a page in a folder links to a file or folder: relative, where that is possible.
-
-    Examples
-    --------
-    >>> address(Path("runs/a/members/0f"), Path("runs/a")), address(Path("b/x y"), Path("a"))
-    ('members/0f', '../b/x%20y')
-    """
-    try:
-        return quote(Path(os.path.relpath(file, folder)).as_posix())
-    except ValueError:  # on another drive
-        return file.absolute().as_uri()
 
 
 def _marked(place: int, row: Summary, linked: Sequence[Linked]) -> Marked | None:

@@ -66,7 +66,7 @@ def results_of(folder, study, message="it <diverged>", runout=RUNOUT):
 def page_of(folder, **known):
     """Return the text of the page of a study in a folder."""
     study = known.pop("study", None) or study_of()
-    written = known.pop("written", sorted(folder.glob("*/*")))
+    written = known.pop("written", sorted(folder.rglob("*")))
     return study_report(results_of(folder, study, **known), folder, written).read_text("utf-8")
 
 
@@ -107,6 +107,8 @@ def filled(tmp_path):
     (tmp_path / "maps/convergence.csv").write_text("members,change\n4.0,0.25\n")
     (tmp_path / "maps/p_peak depth.tif").write_bytes(b"II*\0")
     (tmp_path / "calibration/posterior.csv").write_text("parameter,low,high\nfriction,0.1,0.12\n")
+    (tmp_path / "calibration/maps").mkdir()
+    (tmp_path / "calibration/maps/later.png").write_bytes(PNG)
     (tmp_path / "members.csv").write_text("number\n0.0\n")
     return tmp_path
 
@@ -169,6 +171,8 @@ def test_a_page_shows_what_the_analyses_left(filled):
     for name in ("sensitivity", "maps", "calibration"):
         assert f'<h2 id="{name}">' in page
         assert f'alt="{name} plot"' in page
+    assert "Maps over runs drawn from the posterior" in page
+    assert 'alt="later"' in page
     assert "S1: share alone" in page
     assert "<td>0.8123</td>" in page
     assert '<a href="maps/p_peak%20depth.tif">p_peak depth.tif</a>' in page
@@ -226,7 +230,7 @@ def test_a_page_asks_for_nothing_and_lets_nothing_run(filled):
     policy = re.search(r'Content-Security-Policy" content="(.*?)"', page)[1]
     assert "default-src &#39;none&#39;" in policy
     assert "script-src" not in policy
-    assert page.count("<img ") == page.count('src="data:image/png;base64,') == 3
+    assert page.count("<img ") == page.count('src="data:image/png;base64,') == 4
     assert "http" not in page.replace("http-equiv", "")
 
 
@@ -258,7 +262,7 @@ def test_long_tables_are_linked_and_counted_only(filled):
 def test_what_answers_stands_before_what_it_comes_from(tmp_path):
     for name in ("runs.csv", "summary.csv", "emulator.csv", "x.qml"):
         (tmp_path / name).write_text("a\n1\n")
-    found = attachments(tmp_path.iterdir())
+    found = attachments(tmp_path.iterdir(), tmp_path)
     assert [one.link.name for one in found.tables] == ["summary.csv", "emulator.csv", "runs.csv"]
     assert found.links == []
 
@@ -266,7 +270,7 @@ def test_what_answers_stands_before_what_it_comes_from(tmp_path):
 def test_pictures_stand_in_the_order_of_the_quantities(tmp_path):
     for name in ("depth_scatter", "depth_tornado", "reach_tornado", "depth_at_dam_tornado"):
         (tmp_path / f"{name}.png").write_bytes(PNG)
-    found = attachments(tmp_path.iterdir(), ["reach", "depth", "depth_at_dam"])
+    found = attachments(tmp_path.iterdir(), tmp_path, ["reach", "depth", "depth_at_dam"])
     names = ["reach tornado", "depth tornado", "depth scatter", "depth at dam tornado"]
     assert [one.name for one in found.pictures] == names
 
@@ -274,7 +278,10 @@ def test_pictures_stand_in_the_order_of_the_quantities(tmp_path):
 def test_the_same_notes_are_not_said_twice(tmp_path):
     for name in ("a", "b"):
         (tmp_path / f"{name}.csv").write_text("# what it is\nx\n1\n")
-    assert [one.notes for one in attachments(tmp_path.iterdir()).tables] == [["what it is"], []]
+    assert [one.notes for one in attachments(tmp_path.iterdir(), tmp_path).tables] == [
+        ["what it is"],
+        [],
+    ]
 
 
 def test_files_of_a_former_study_are_not_shown(filled):
