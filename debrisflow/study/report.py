@@ -52,9 +52,8 @@ class Linked(NamedTuple):
     ----------
     number : int
     values, state, message : str
-    folder : Link
-    report : Link or None
-        Where there is one of its run.
+    folder, report : Link or None
+        Of its run, where they are there.
     figures : list of float or None
         Its quantities; None where it has none.
     """
@@ -63,7 +62,7 @@ class Linked(NamedTuple):
     values: str
     state: str
     message: str
-    folder: Link
+    folder: Link | None
     report: Link | None
     figures: list[float | None]
 
@@ -209,10 +208,15 @@ def _linked(results: Results, folder: Path) -> Iterator[Linked]:
             shown_values(member.values),
             outcome.state,
             outcome.message,
-            Link(member.folder.name, address(member.folder, folder)),
-            Link("report", address(report, folder)) if report.is_file() else None,
+            _link(member.folder, folder),
+            _link(report, folder),
             known,
         )
+
+
+def _link(file: Path, folder: Path) -> Link | None:
+    """Return a link from a page in a folder to a file or folder, None if there is none."""
+    return Link(file.name, address(file, folder)) if file.exists() else None
 
 
 def _marked(place: int, row: Summary, linked: Sequence[Linked]) -> Marked | None:
