@@ -21,7 +21,12 @@ from debrisflow.study.names import CALIBRATION, MAPS, REPORT, SENSITIVITY, TABLE
 from debrisflow.study.outcome import FINISHED, STOPPED
 from debrisflow.study.results import Results
 from debrisflow.study.statistics import Summary, summaries
-from debrisflow.study.wording import design_in_words, law_in_words, observation_in_words
+from debrisflow.study.wording import (
+    calibration_in_words,
+    design_in_words,
+    law_in_words,
+    observation_in_words,
+)
 
 MOST_LISTED = 500  # members in the table of all
 PACKAGE = "debrisflow.study"
@@ -122,6 +127,7 @@ def _asked(results: Results) -> dict[str, Any]:
         "correlations": study.correlation,
         "design": design_in_words(study.design),
         "is_sample": is_sample(study.design),
+        "fit": calibration_in_words(study.calibration) if study.calibration else "",
         "observations": [observation_in_words(one) for one in study.observation],
     }
 

@@ -181,6 +181,17 @@ def test_a_page_shows_what_the_analyses_left(filled):
     assert "members.csv</a>" in page
 
 
+def test_a_page_says_what_a_fit_is_compared_with(filled):
+    seen = {"type": "figure", "quantity": "runout_length", "value": 25.0, "error": 2.0}
+    mapped = {"type": "extent", "file": "/secret/map.gpkg", "error": 0.2}
+    asked = {"runs": 8, "held_out": {"x": [0.0, 50.0]}}
+    page = page_of(filled, study=study_of(observation=[seen, mapped], calibration=asked))
+    assert "runout_length = 25, standard deviation of its error 2" in page
+    assert "extent: map.gpkg, errors of the missed area 0.2 and of the falsely reached 0.2" in page
+    assert "the observed extents in x from 0 to 50 m" in page
+    assert "secret" not in page
+
+
 def test_a_page_has_no_section_without_content(tmp_path):
     page = page_of(tmp_path)
     assert Reader(page).anchors == {"asked", "members", "quantities", "origin"}
