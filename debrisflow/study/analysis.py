@@ -49,7 +49,7 @@ def analyze(
         from debrisflow.study.fit import fit
 
         written += fit(sweep, client, threads, told, sweep.folder / CALIBRATION)
-    return [*written, study_report(results, sweep.folder)]
+    return [*written, study_report(results, sweep.folder, written)]
 
 
 def write_study_maps(results: Results, target: Path) -> list[Path]:

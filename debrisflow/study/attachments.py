@@ -1,8 +1,10 @@
-"""Pictures and tables in the folders of a study, as its page shows them."""
+"""Pictures and tables that analyses of a study have written, as its page shows them."""
 
 from __future__ import annotations
 
 import csv
+import os
+from collections.abc import Iterable, Sequence
 from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +15,7 @@ from debrisflow.results.html import Picture, is_picture, picture_of
 from debrisflow.run.reading import text_of
 
 MOST_ROWS = 60  # of a table that is shown on the page
-FIRST = ("summary", "extents")  # tables that answer, before those that they come from
+FIRST = ("tornado", "summary", "extents")  # what answers, before what it comes from
 STYLES = (".qml",)  # of rasters beside them
 
 
@@ -32,7 +34,7 @@ class Table(NamedTuple):
     link : Link
         To its file.
     notes : list of str
-        The comments at its head.
+        The comments at its head; none if they are those of the table before.
     columns : list of str
     rows : list of list of str
         None where there are too many to be shown.
@@ -70,23 +72,30 @@ class Attachments(NamedTuple):
         return any(self)
 
 
-def attachments(folder: Path) -> Attachments:
-    """Return the pictures, tables and other files in a folder beside the page.
+def attachments(files: Iterable[Path], folder: Path, subjects: Sequence[str] = ()) -> Attachments:
+    """Return pictures, tables and other files for a page.
 
     Parameters
     ----------
+    files : iterable of Path
     folder : Path
-        There may be none.
+        Of the page.
+    subjects : sequence of str
+        With which names of files begin, in the order in which these are shown.
     """
+    before: list[str] = []
     found = Attachments([], [], [], [])
-    for file in _files(folder):
-        link = Link(file.name, quote(f"{folder.name}/{file.name}"))
+    for file in _in_order(files, subjects):
+        link = Link(file.name, address(file, folder))
         if file.suffix == ".png" and is_picture(file):
             name = file.stem.replace("_", " ")
             found.pictures.append(picture_of(file, name, name))
         elif file.suffix == ".csv":
             try:
-                found.tables.append(table_of(text_of(file), link))
+                table = table_of(text_of(file), link)
+                same = table.notes == before
+                found.tables.append(table._replace(notes=[]) if same else table)
+                before = table.notes
             except (OutputError, csv.Error) as error:
                 found.problems.append(f"{link.name} cannot be read: {error}")
         else:
@@ -94,11 +103,30 @@ def attachments(folder: Path) -> Attachments:
     return found
 
 
-def _files(folder: Path) -> list[Path]:
-    """Return the files of a folder, in the order in which the page shows them."""
-    found = [file for file in folder.iterdir() if file.is_file()] if folder.is_dir() else []
-    shown = [file for file in found if file.suffix not in STYLES and not file.name.startswith(".")]
-    return sorted(shown, key=lambda file: (file.stem not in FIRST, file.name))
+def _in_order(files: Iterable[Path], subjects: Sequence[str]) -> list[Path]:
+    """Return the files that the page shows or links, in the order in which it does."""
+
+    def place(file: Path) -> tuple[int, bool, str]:
+        own = max((one for one in subjects if file.stem.startswith(one)), key=len, default=None)
+        number = len(subjects) if own is None else subjects.index(own)
+        return number, not file.stem.endswith(FIRST), file.name
+
+    shown = [file for file in files if file.is_file() and file.suffix not in STYLES]
+    return sorted(shown, key=place)
+
+
+def address(file: Path, folder: Path) -> str:
+    """Return how a page in a folder links to a file or folder: relative, where that is possible.
+
+    Examples
+    --------
+    >>> address(Path("runs/a/members/0f"), Path("runs/a")), address(Path("b/x y"), Path("a"))
+    ('members/0f', '../b/x%20y')
+    """
+    try:
+        return quote(Path(os.path.relpath(file, folder)).as_posix())
+    except ValueError:  # on another drive
+        return file.absolute().as_uri()
 
 
 def table_of(text: str, link: Link) -> Table:

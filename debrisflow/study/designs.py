@@ -15,6 +15,7 @@ from debrisflow.study.correlations import correlated, correlation_matrix, in_ord
 from debrisflow.study.distributions import AnyParameter, Choice, Value, Values
 from debrisflow.study.scenarios import read_scenarios
 from debrisflow.study.tables import (
+    AnyDesign,
     Grid,
     LatinHypercube,
     Morris,
@@ -68,6 +69,17 @@ def points_of(study: Study) -> list[Values]:
     columns = [_at(one, shares[:, k]) for k, one in enumerate(parameters)]
     names = [parameter.name for parameter in parameters]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
+
+
+def is_sample(design: AnyDesign) -> bool:
+    """Return whether members are drawn from the distributions: shares of them are probabilities.
+
+    Examples
+    --------
+    >>> is_sample(Morris(type="morris", paths=4)), is_sample(Saltelli(type="saltelli", samples=4))
+    (False, True)
+    """
+    return isinstance(design, LatinHypercube | SobolSequence | Saltelli)
 
 
 def problem_of(parameters: Sequence[AnyParameter]) -> dict[str, Any]:

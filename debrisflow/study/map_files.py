@@ -15,13 +15,11 @@ from debrisflow.run.atomic import made, replaced_files
 from debrisflow.run.layer_styles import pseudocolors, style
 from debrisflow.run.layers import ENDINGS, LAYERS
 from debrisflow.study.convergence import FIRST, convergence, write_convergence
+from debrisflow.study.designs import is_sample as of_sample
 from debrisflow.study.map_grid import ARRIVAL
 from debrisflow.study.map_pictures import LIMITS, PROBABILITY, StudyMap, draw_study_maps
 from debrisflow.study.maps import expect_members, known_on, quantiles, shares_arrived, shares_over
-from debrisflow.study.tables import LatinHypercube, Map, Saltelli, SobolSequence, Study
-
-SAMPLES = (LatinHypercube, SobolSequence, Saltelli)
-"""Designs whose members are drawn from the distributions of the parameters."""
+from debrisflow.study.tables import Map, Study
 
 
 def write_maps(
@@ -52,7 +50,7 @@ def write_maps(
         If there is no member, one lacks a layer, or the folder cannot be written.
     """
     if is_sample is None:
-        is_sample = isinstance(study.design, SAMPLES)
+        is_sample = of_sample(study.design)
     if not any((wanted.exceeds or wanted.before or wanted.quantiles) for wanted in study.map):
         return []
     expect_members(folders)

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import quote
 
 from debrisflow import __version__
 from debrisflow.results.html import write_html
 from debrisflow.results.parameters import summary as case_in_words
 from debrisflow.run.duration import duration
 from debrisflow.run.names import POSTPROCESS
-from debrisflow.study.attachments import Link, attachments
+from debrisflow.study.attachments import Attachments, Link, address, attachments
+from debrisflow.study.designs import is_sample
 from debrisflow.study.distributions import AnyParameter, Choice, Value
 from debrisflow.study.member import Member, flat, shown_values
 from debrisflow.study.names import CALIBRATION, MAPS, REPORT, SENSITIVITY, TABLE
 from debrisflow.study.outcome import FINISHED, STOPPED
 from debrisflow.study.results import Results
-from debrisflow.study.statistics import SAMPLES, Summary, summaries
-from debrisflow.study.wording import design_in_words, law_in_words, observation_in_words
+from debrisflow.study.statistics import Summary, summaries
+from debrisflow.study.wording import (
+    calibration_in_words,
+    design_in_words,
+    law_in_words,
+    observation_in_words,
+)
 
 MOST_LISTED = 500  # members in the table of all
 PACKAGE = "debrisflow.study"
@@ -53,9 +57,8 @@ class Linked(NamedTuple):
     ----------
     number : int
     values, state, message : str
-    folder : Link
-    report : Link or None
-        Where there is one of its run.
+    folder, report : Link or None
+        Of its run, where they are there.
     figures : list of float or None
         Its quantities; None where it has none.
     """
@@ -64,7 +67,7 @@ class Linked(NamedTuple):
     values: str
     state: str
     message: str
-    folder: Link
+    folder: Link | None
     report: Link | None
     figures: list[float | None]
 
@@ -79,11 +82,8 @@ class Marked(NamedTuple):
     middle_value: float | None
 
 
-def study_report(results: Results, folder: Path) -> Path:
+def study_report(results: Results, folder: Path, written: Sequence[Path]) -> Path:
     """Write ``report.html`` of a study into its folder, and return it.
-
-    Pictures and tables that are in its folders ``sensitivity``, ``maps`` and ``calibration`` are on
-    it.
 
     Parameters
     ----------
@@ -91,6 +91,9 @@ def study_report(results: Results, folder: Path) -> Path:
         Of the design.
     folder : Path
         Of the study.
+    written : sequence of Path
+        What analyses have written into its folders ``sensitivity``, ``maps`` and ``calibration``;
+        other files in these may be those of a former study and are not on the page.
 
     Raises
     ------
@@ -98,11 +101,11 @@ def study_report(results: Results, folder: Path) -> Path:
         If the page cannot be written.
     """
     path = folder / REPORT
-    parts = (_asked(results), _members(results, folder), _attached(folder), _origin(results))
+    contents = _asked(results) | _members(results, folder) | _attached(results, folder, written)
     write_html(
         path,
         "study.html",
-        {key: value for part in parts for key, value in part.items()},
+        contents | _origin(results),
         package=PACKAGE,
         style="study.css",
     )
@@ -123,7 +126,8 @@ def _asked(results: Results) -> dict[str, Any]:
         "parameters": [_varied(one, results.members) for one in study.parameter],
         "correlations": study.correlation,
         "design": design_in_words(study.design),
-        "is_sample": study.design.type in SAMPLES,
+        "is_sample": is_sample(study.design),
+        "fit": calibration_in_words(study.calibration) if study.calibration else "",
         "observations": [observation_in_words(one) for one in study.observation],
     }
 
@@ -147,9 +151,20 @@ def _members(results: Results, folder: Path) -> dict[str, Any]:
     }
 
 
-def _attached(folder: Path) -> dict[str, Any]:
-    """Return what the analyses of the study left in its folder."""
-    return {name: attachments(folder / name) for name in (SENSITIVITY, MAPS, CALIBRATION)}
+def _attached(results: Results, folder: Path, written: Sequence[Path]) -> dict[str, Any]:
+    """Return what the analyses of the study have written, by their folders."""
+
+    def found(place: Path) -> Attachments:
+        files = [file for file in written if file.parent == place]
+        return attachments(files, folder, list(results.units))
+
+    fitted = folder / CALIBRATION
+    return {
+        "sensitivity": found(folder / SENSITIVITY),
+        "maps": found(folder / MAPS),
+        "calibration": found(fitted),
+        "posterior_maps": found(fitted / MAPS),
+    }
 
 
 def _origin(results: Results) -> dict[str, Any]:
@@ -199,24 +214,15 @@ def _linked(results: Results, folder: Path) -> Iterator[Linked]:
             shown_values(member.values),
             outcome.state,
             outcome.message,
-            Link(member.folder.name, address(member.folder, folder)),
-            Link("report", address(report, folder)) if report.is_file() else None,
+            _link(member.folder, folder),
+            _link(report, folder),
             known,
         )
 
 
-def address(file: Path, folder: Path) -> str:
-    """Return how a page in a folder links to a file or folder: relative, where that is possible.
-
-    Examples
-    --------
-    >>> address(Path("runs/a/members/0f"), Path("runs/a")), address(Path("b/x y"), Path("a"))
-    ('members/0f', '../b/x%20y')
-    """
-    try:
-        return quote(Path(os.path.relpath(file, folder)).as_posix())
-    except ValueError:  # on another drive
-        return file.absolute().as_uri()
+def _link(file: Path, folder: Path) -> Link | None:
+    """Return a link from a page in a folder to a file or folder, None if there is none."""
+    return Link(file.name, address(file, folder)) if file.exists() else None
 
 
 def _marked(place: int, row: Summary, linked: Sequence[Linked]) -> Marked | None:

@@ -15,8 +15,6 @@ Floats = NDArray[np.float64]
 SHARES = (0.05, 0.5, 0.95)
 EARLY = ("_arrival", "_overtopping_time")
 """Ends of the names of answers that are times at which something comes."""
-SAMPLES = ("latin-hypercube", "sobol", "saltelli")
-"""Designs whose members are drawn from the distributions, so that shares are probabilities."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A study in words: its distributions, its design, what it is compared with."""
+"""A study in words: its distributions, its design, what it is compared with, how it is fitted."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from debrisflow.study.distributions import (
     Triangular,
     Uniform,
 )
-from debrisflow.study.tables import AnyDesign, AnyObservation, Extent
+from debrisflow.study.tables import AnyDesign, AnyObservation, Calibration, Extent
 
 
 def law_in_words(parameter: AnyParameter) -> str:
@@ -77,11 +77,35 @@ def observation_in_words(observation: AnyObservation) -> str:
     'reach = 250, standard deviation of its error 20'
     """
     if isinstance(observation, Extent):
+        false = observation.error if observation.false_error is None else observation.false_error
         return (
-            f"{observation.name}: {Path(observation.file).name}, error {observation.error:g} of "
-            "the observed area"
+            f"{observation.name}: {Path(observation.file).name}, errors of the missed area "
+            f"{observation.error:g} and of the falsely reached {false:g} of the observed one"
         )
     return (
         f"{observation.quantity} = {observation.value:g}, standard deviation of its error "
         f"{observation.error:g}"
     )
+
+
+def calibration_in_words(calibration: Calibration) -> str:
+    """Return how the parameters are fitted, and what tests the fit.
+
+    Examples
+    --------
+    >>> calibration_in_words(Calibration(runs=20, predictive=8)).partition(".")[0]
+    '20 runs in all, and 8 drawn from the posterior'
+    """
+    drawn = f", and {calibration.predictive} drawn from the posterior"
+    runs = f"{calibration.runs} runs in all{drawn if calibration.predictive else ''}"
+    part = calibration.held_out
+    if part is None:
+        return (
+            f"{runs}. Nothing was held out, so that the fit is not tested on what it has not seen"
+        )
+    sides = [
+        f"{axis} from {side[0]:g} to {side[1]:g} m"
+        for axis, side in (("x", part.x), ("y", part.y))
+        if side is not None
+    ]
+    return f"{runs}. Held out, and compared afterwards: the observed extents in {', '.join(sides)}"

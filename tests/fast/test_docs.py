@@ -270,7 +270,7 @@ def test_a_shipped_study_is_valid_and_says_what_it_is(path):
 
     assert Sweep(load_study(path), path.parent / "runs").members
     assert head.startswith("#:schema ../study.schema.json\n")
-    for word in ("Source", "Chosen", "Calibrated", "Expect", "Takes"):
+    for word in ("Source", "Chosen", "Calibrated", "Takes"):
         assert f"# {word}:" in head
 
 

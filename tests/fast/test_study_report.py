@@ -50,11 +50,11 @@ def results_of(folder, study, message="it <diverged>", runout=RUNOUT):
     for number in range(len(runout) + 1):
         values = {"friction": 0.1 + 0.02 * number, "volume": 1.0 + number}
         member = folder / "members" / f"{number:016x}"
-        (member / "postprocess").mkdir(parents=True)
         members.append(Member(number, values, channel_case(), f"{number:064x}", member))
         if number == len(runout):
-            outcomes.append(Outcome(FAILED, message, {}, 1.0))
+            outcomes.append(Outcome(FAILED, message, {}, 1.0))  # its case: it has no folder
             continue
+        (member / "postprocess").mkdir(parents=True)
         answers = {
             "runout_length": Figure(runout[number], "m"),
             "dam_arrival": Figure(np.nan if number == 3 else 5.0 - number, "s"),
@@ -66,7 +66,8 @@ def results_of(folder, study, message="it <diverged>", runout=RUNOUT):
 def page_of(folder, **known):
     """Return the text of the page of a study in a folder."""
     study = known.pop("study", None) or study_of()
-    return study_report(results_of(folder, study, **known), folder).read_text("utf-8")
+    written = known.pop("written", sorted(folder.rglob("*")))
+    return study_report(results_of(folder, study, **known), folder, written).read_text("utf-8")
 
 
 class Reader(HTMLParser):
@@ -106,6 +107,8 @@ def filled(tmp_path):
     (tmp_path / "maps/convergence.csv").write_text("members,change\n4.0,0.25\n")
     (tmp_path / "maps/p_peak depth.tif").write_bytes(b"II*\0")
     (tmp_path / "calibration/posterior.csv").write_text("parameter,low,high\nfriction,0.1,0.12\n")
+    (tmp_path / "calibration/maps").mkdir()
+    (tmp_path / "calibration/maps/later.png").write_bytes(PNG)
     (tmp_path / "members.csv").write_text("number\n0.0\n")
     return tmp_path
 
@@ -138,6 +141,7 @@ def test_members_without_results_are_counted_and_shown(tmp_path):
     assert "1 of 5 members have no results" in page
     shown = page.partition("Members without results")[2].partition("</table>")[0]
     assert "friction = 0.18, volume = 5" in shown
+    assert "href" not in shown
     assert "it &lt;diverged&gt;" in shown
 
 
@@ -153,7 +157,7 @@ def test_the_worst_and_the_median_member_are_linked(tmp_path):
     study = study_of()
     results = results_of(tmp_path / "study", study)
     (results.members[1].folder / "postprocess/report.html").write_text("<p>")
-    page = study_report(results, tmp_path / "study").read_text()
+    page = study_report(results, tmp_path / "study", []).read_text()
     worst = page.partition("The worst and the median member")[2]
     assert f'<a href="members/{1:016x}/">1</a>' in row(worst, "runout length")[0]
     assert f'<a href="members/{1:016x}/postprocess/report.html">' in row(worst, "runout length")[0]
@@ -168,11 +172,24 @@ def test_a_page_shows_what_the_analyses_left(filled):
     for name in ("sensitivity", "maps", "calibration"):
         assert f'<h2 id="{name}">' in page
         assert f'alt="{name} plot"' in page
+    assert "Maps over runs drawn from the posterior" in page
+    assert 'alt="later"' in page
     assert "S1: share alone" in page
     assert "<td>0.8123</td>" in page
     assert '<a href="maps/p_peak%20depth.tif">p_peak depth.tif</a>' in page
     assert "<td>0.25</td>" in page
     assert "members.csv</a>" in page
+
+
+def test_a_page_says_what_a_fit_is_compared_with(filled):
+    seen = {"type": "figure", "quantity": "runout_length", "value": 25.0, "error": 2.0}
+    mapped = {"type": "extent", "file": "/secret/map.gpkg", "error": 0.2}
+    asked = {"runs": 8, "held_out": {"x": [0.0, 50.0]}}
+    page = page_of(filled, study=study_of(observation=[seen, mapped], calibration=asked))
+    assert "runout_length = 25, standard deviation of its error 2" in page
+    assert "extent: map.gpkg, errors of the missed area 0.2 and of the falsely reached 0.2" in page
+    assert "the observed extents in x from 0 to 50 m" in page
+    assert "secret" not in page
 
 
 def test_a_page_has_no_section_without_content(tmp_path):
@@ -201,7 +218,7 @@ def test_every_link_leads_somewhere_and_every_element_is_closed(filled):
 def test_runs_in_a_store_elsewhere_are_linked(tmp_path):
     results = results_of(tmp_path / "store", study_of())
     (tmp_path / "study").mkdir()
-    page = study_report(results, tmp_path / "study").read_text()
+    page = study_report(results, tmp_path / "study", []).read_text()
     assert f'href="../store/members/{0:016x}/"' in page
 
 
@@ -225,7 +242,7 @@ def test_a_page_asks_for_nothing_and_lets_nothing_run(filled):
     policy = re.search(r'Content-Security-Policy" content="(.*?)"', page)[1]
     assert "default-src &#39;none&#39;" in policy
     assert "script-src" not in policy
-    assert page.count("<img ") == page.count('src="data:image/png;base64,') == 3
+    assert page.count("<img ") == page.count('src="data:image/png;base64,') == 4
     assert "http" not in page.replace("http-equiv", "")
 
 
@@ -257,13 +274,33 @@ def test_long_tables_are_linked_and_counted_only(filled):
 def test_what_answers_stands_before_what_it_comes_from(tmp_path):
     for name in ("runs.csv", "summary.csv", "emulator.csv", "x.qml"):
         (tmp_path / name).write_text("a\n1\n")
-    found = attachments(tmp_path)
+    found = attachments(tmp_path.iterdir(), tmp_path)
     assert [one.link.name for one in found.tables] == ["summary.csv", "emulator.csv", "runs.csv"]
     assert found.links == []
 
 
-def test_a_folder_that_is_not_there_has_nothing(tmp_path):
-    assert not attachments(tmp_path / "maps")
+def test_pictures_stand_in_the_order_of_the_quantities(tmp_path):
+    for name in ("depth_scatter", "depth_tornado", "reach_tornado", "depth_at_dam_tornado"):
+        (tmp_path / f"{name}.png").write_bytes(PNG)
+    found = attachments(tmp_path.iterdir(), tmp_path, ["reach", "depth", "depth_at_dam"])
+    names = ["reach tornado", "depth tornado", "depth scatter", "depth at dam tornado"]
+    assert [one.name for one in found.pictures] == names
+
+
+def test_the_same_notes_are_not_said_twice(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.csv").write_text("# what it is\nx\n1\n")
+    assert [one.notes for one in attachments(tmp_path.iterdir(), tmp_path).tables] == [
+        ["what it is"],
+        [],
+    ]
+
+
+def test_files_of_a_former_study_are_not_shown(filled):
+    page = page_of(filled, written=[filled / "maps/convergence.csv"])
+    assert Reader(page).anchors == {"asked", "members", "quantities", "maps", "origin"}
+    assert "<img" not in page
+    assert "p_peak" not in page
 
 
 def test_a_quantity_that_no_member_has():

@@ -264,7 +264,7 @@ def hostile_study(root):
     results = results_of(root, study_of(title=HOSTILE, notes=HOSTILE), message=HOSTILE)
     (root / "maps").mkdir()
     (root / "maps" / f"{NAME}.csv").write_text(f"# {IMAGE}\n{IMAGE},b\n{IMAGE},1\n")
-    return study_report(results, root)
+    return study_report(results, root, [root / "maps" / f"{NAME}.csv"])
 
 
 def test_words_of_a_study_are_text_and_its_style_is_its_own(browser, tmp_path):
