@@ -11,7 +11,7 @@ import click
 
 from debrisflow.commands.console import RESULT, print_files, print_json
 from debrisflow.commands.options import PATH, json_option
-from debrisflow.errors import OutputError
+from debrisflow.errors import OutputError, shown
 
 if TYPE_CHECKING:
     from debrisflow.study.member import Member
@@ -84,18 +84,22 @@ def run(
         return
 
     from debrisflow.study.analysis import analyze
+    from debrisflow.study.names import FINDINGS
     from debrisflow.study.progress import Bar
 
     bar = nullcontext(_print_member) if as_json else Bar(len(asked.members), quiet)
-    with asked.workers(workers, threads, scheduler) as client, asked.open(), bar as shown:
-        results = asked.results(client, threads, shown)
-        written = analyze(asked, results, client, threads, shown)
+    with asked.workers(workers, threads, scheduler) as client, asked.open(), bar as told:
+        results = asked.results(client, threads, told)
+        written = analyze(asked, results, client, threads, told)
     counts = Counter(outcome.state for outcome in results.outcomes)
     if as_json:
         files = [str(file) for file in written]
         print_json({"event": RESULT, "folder": str(asked.folder), "files": files} | counts)
     elif not quiet:
         print_files(written)
+        for file in written:
+            if file.name == FINDINGS:
+                click.echo(shown(file.read_text(encoding="utf-8").rstrip()))
         parts = ", ".join(f"{count} {state}" for state, count in counts.items())
         click.echo(f"{len(results.members)} members: {parts}; results in {asked.folder}")
     if counts[STOPPED]:

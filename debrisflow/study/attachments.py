@@ -13,6 +13,7 @@ from urllib.parse import quote
 from debrisflow.errors import OutputError
 from debrisflow.results.html import Picture, is_picture, picture_of
 from debrisflow.run.reading import text_of
+from debrisflow.study.names import FINDINGS
 
 MOST_ROWS = 60  # of a table that is shown on the page
 FIRST = ("tornado", "summary", "extents")  # what answers, before what it comes from
@@ -56,6 +57,8 @@ class Attachments(NamedTuple):
     ----------
     pictures : list of Picture
     tables : list of Table
+    sentences : list of str
+        What was found, in words.
     links : list of Link
         To files that the page does not carry, as rasters.
     problems : list of str
@@ -64,6 +67,7 @@ class Attachments(NamedTuple):
 
     pictures: list[Picture]
     tables: list[Table]
+    sentences: list[str]
     links: list[Link]
     problems: list[str]
 
@@ -84,7 +88,7 @@ def attachments(files: Iterable[Path], folder: Path, subjects: Sequence[str] = (
         With which names of files begin, in the order in which these are shown.
     """
     before: list[str] = []
-    found = Attachments([], [], [], [])
+    found = Attachments([], [], [], [], [])
     for file in _in_order(files, subjects):
         link = Link(file.name, address(file, folder))
         if file.suffix == ".png" and is_picture(file):
@@ -98,6 +102,8 @@ def attachments(files: Iterable[Path], folder: Path, subjects: Sequence[str] = (
                 before = table.notes
             except (OutputError, csv.Error) as error:
                 found.problems.append(f"{link.name} cannot be read: {error}")
+        elif file.name == FINDINGS:
+            found.sentences.extend(text_of(file).splitlines())
         else:
             found.links.append(link)
     return found

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from debrisflow.run.atomic import replaced
 from debrisflow.study.calibration.observations import Evaluate, Evaluated
 from debrisflow.study.calibration.procedure import PREDICTIVE, CalibrationResult, calibrate
 from debrisflow.study.distributions import Values
@@ -13,7 +14,7 @@ from debrisflow.study.engine import workers_of
 from debrisflow.study.map_files import write_maps
 from debrisflow.study.map_grid import grid_of
 from debrisflow.study.member import Member
-from debrisflow.study.names import MAPS
+from debrisflow.study.names import FINDINGS, MAPS
 from debrisflow.study.outcome import FINISHED, Outcome
 from debrisflow.study.results import Results
 from debrisflow.study.sweep import Sweep, Told
@@ -49,7 +50,10 @@ def fit(sweep: Sweep, client: Client, threads: int, told: Told | None, target: P
     at_once = max(len(workers_of(client)), 1)
     evaluate = evaluation(sweep, client, threads, told)
     found = calibrate(sweep.study, design, evaluate, target, at_once)
-    return [*found.files, *_maps(sweep, found, target)]
+    findings = target / FINDINGS
+    with replaced(findings) as unfinished:
+        unfinished.write_text("".join(f"{line}\n" for line in found.notes), encoding="utf-8")
+    return [findings, *found.files, *_maps(sweep, found, target)]
 
 
 def evaluation(

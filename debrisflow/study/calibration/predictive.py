@@ -16,7 +16,7 @@ from debrisflow.study.calibration.observations import (
     used_and_held_out,
 )
 from debrisflow.study.calibration.parameter_space import ParameterSpace, shares_of
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import Values
 from debrisflow.study.tables import Extent, Study
 
 Floats = NDArray[np.float64]

@@ -29,7 +29,7 @@ from debrisflow.study.calibration.observations import (
 from debrisflow.study.calibration.parameter_space import ParameterSpace
 from debrisflow.study.calibration.posterior import Posterior, sampled
 from debrisflow.study.calibration.predictive import Score, drawn, scores, skill
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import Values
 from debrisflow.study.tables import Calibration, Study
 
 Floats = NDArray[np.float64]

@@ -24,7 +24,12 @@ def parameter_label(parameter: AnyParameter) -> str:
     """Return the name of a parameter with the unit of its key in a case; a factor has none."""
     if parameter.is_factor:
         return f"{parameter.name}, factor"
-    unit = unit_of(locate(parameter.keys[0].split(".")).field).strip()
+    place = locate(parameter.keys[0].split("."))
+    name = place.keys[-1]
+    # several laws may have a field of the same name, in units of their own
+    fields = [own for one in place.owners if (own := one.model_fields.get(str(name)))]
+    units = {unit_of(field).strip() for field in fields}
+    unit = units.pop() if len(units) == 1 else ""
     return f"{parameter.name}, {unit.translate(POWERS)}" if unit else parameter.name
 
 
