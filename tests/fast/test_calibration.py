@@ -22,8 +22,9 @@ from debrisflow.study.calibration.posterior import Posterior, sampled
 from debrisflow.study.calibration.predictive import drawn
 from debrisflow.study.calibration.procedure import CalibrationResult, calibrate
 from debrisflow.study.designs import points_of
+from debrisflow.study.distributions import Values
 from debrisflow.study.loading import load_study
-from debrisflow.study.member import Cases, Values
+from debrisflow.study.member import Cases
 from debrisflow.study.tables import Study
 
 Floats = NDArray[np.float64]

@@ -9,8 +9,9 @@ from debrisflow.study.calibration.observations import Evaluated
 from debrisflow.study.calibration.procedure import calibrate
 from debrisflow.study.computing import compute
 from debrisflow.study.designs import points_of
+from debrisflow.study.distributions import Values
 from debrisflow.study.loading import load_study
-from debrisflow.study.member import Cases, Values
+from debrisflow.study.member import Cases
 from debrisflow.study.outcome import FINISHED
 from debrisflow.study.quantities import quantities_of
 

@@ -13,7 +13,7 @@ from debrisflow.case.rasters import MapGrid
 from debrisflow.errors import CaseError
 from debrisflow.results.flow_path import centers
 from debrisflow.results.score import Contingency, Extents, contingency, extents_of
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import Values
 from debrisflow.study.tables import Extent, Part, Study
 
 Floats = NDArray[np.float64]

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from debrisflow.study.correlations import LEAST_SHARE, correlation_matrix
-from debrisflow.study.distributions import Continuous, LogNormal
-from debrisflow.study.member import Values
+from debrisflow.study.distributions import Continuous, LogNormal, Values
 from debrisflow.study.tables import Study
 
 Floats = NDArray[np.float64]
