@@ -20,8 +20,9 @@ from debrisflow.case.vectors import write_polygons
 from debrisflow.results.layers import read_layer
 from debrisflow.run.layers import polygons_of
 from debrisflow.study.computing import compute
+from debrisflow.study.distributions import Values
 from debrisflow.study.loading import load_study
-from debrisflow.study.member import Cases, Values
+from debrisflow.study.member import Cases
 from debrisflow.study.quantities import quantities_of
 from debrisflow.study.tables import Figure, Study
 

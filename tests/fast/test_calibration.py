@@ -14,7 +14,7 @@ from scipy.stats import qmc
 
 from debrisflow.errors import CaseError
 from debrisflow.study.calibration.emulator import Emulator
-from debrisflow.study.calibration.identifiability import coupled, marginals, sentences
+from debrisflow.study.calibration.identifiability import Coupled, coupled, marginals, sentences
 from debrisflow.study.calibration.improvement import proposed
 from debrisflow.study.calibration.observations import Evaluated, misfits, residuals_of
 from debrisflow.study.calibration.parameter_space import ParameterSpace, scores_of, shares_of
@@ -22,8 +22,9 @@ from debrisflow.study.calibration.posterior import Posterior, sampled
 from debrisflow.study.calibration.predictive import drawn
 from debrisflow.study.calibration.procedure import CalibrationResult, calibrate
 from debrisflow.study.designs import points_of
+from debrisflow.study.distributions import Values
 from debrisflow.study.loading import load_study
-from debrisflow.study.member import Cases, Values
+from debrisflow.study.member import Cases
 from debrisflow.study.tables import Study
 
 Floats = NDArray[np.float64]
@@ -264,6 +265,10 @@ def test_parameter_that_matters_is_identified_and_one_that_does_not_is_not() -> 
     assert [one.verdict for one in found.marginals] == ["identified", "not identified"]
     assert found.coupled == []
     assert found.marginals[0].posterior[1] == pytest.approx(0.5, abs=0.05)
+    narrow = [one._replace(posterior=(0.0, 0.01, 0.02)) for one in found.marginals]
+    pair = Coupled(("first", "second"), 0.9, (0.6, -0.8), (0.8, 0.6), (0.2, 0.1))
+    assert "The errors of first and second go together" in sentences(narrow, [pair])[2]
+    assert "only a combination" in sentences(found.marginals, [pair])[2]
     assert "next to nothing" in sentences(found.marginals, [])[1]
 
 

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from debrisflow.case.rasters import MapGrid, Raster, write_raster
 from debrisflow.errors import CaseError
+from debrisflow.study.calibration.extent_map import write_extent_maps
 from debrisflow.study.calibration.observations import Evaluated, residuals_of
 from debrisflow.study.calibration.predictive import scores, skill
 from debrisflow.study.tables import Study
@@ -96,3 +98,12 @@ def test_scores_are_those_counted_by_hand(folders: dict[str, Path], tmp_path: Pa
 def test_without_a_held_out_part_all_is_used(folders: dict[str, Path], tmp_path: Path) -> None:
     (row,) = scores(study_of(tmp_path), {"best fit": [folders["long"]]})
     assert (row.part, row.csi) == ("used", 4 / 6)
+
+
+def test_map_is_drawn_for_each_observed_extent(folders: dict[str, Path], tmp_path: Path) -> None:
+    study = study_of(tmp_path, {"x": [20.0, 40.0]})
+    groups = {"best fit": [folders["long"]], "design": list(folders.values())}
+    (picture,) = write_extent_maps(study, groups, tmp_path / "calibration")
+    assert picture.name == "extent.png"
+    with Image.open(picture) as drawn:
+        assert len(np.unique(np.asarray(drawn.convert("RGB")).reshape(-1, 3), axis=0)) > 100

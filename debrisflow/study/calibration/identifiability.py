@@ -116,7 +116,9 @@ def coupled(space: ParameterSpace, scores: Floats) -> list[Coupled]:
 
 def sentences(found: Sequence[Marginal], pairs: Sequence[Coupled]) -> list[str]:
     """Return what is known of the parameters in plain words."""
-    return [*(_of_one(one) for one in found), *(_of_two(pair) for pair in pairs)]
+    identified = {one.name for one in found if one.verdict == "identified"}
+    of_pairs = [_of_two(pair, identified.issuperset(pair.names)) for pair in pairs]
+    return [*map(_of_one, found), *of_pairs]
 
 
 def _of_one(one: Marginal) -> str:
@@ -128,11 +130,15 @@ def _of_one(one: Marginal) -> str:
     return f"{told}; {width}."
 
 
-def _of_two(pair: Coupled) -> str:
+def _of_two(pair: Coupled, are_identified: bool) -> str:
     (first, second), (one, other) = pair.names, pair.trade
     change = "more" if other > 0.0 else "less"
+    told = (
+        f"The errors of {first} and {second} go together"
+        if are_identified
+        else f"Of {first} and {second} only a combination is known"
+    )
     return (
-        f"Of {first} and {second} only a combination is known (correlation "
-        f"{pair.correlation:.2f}): {abs(one):.2g} more of {first} with {abs(other):.2g} {change} "
-        f"of {second} fits as well."
+        f"{told} (correlation {pair.correlation:.2f}): {abs(one):.2g} more of {first} with "
+        f"{abs(other):.2g} {change} of {second} fits as well."
     )

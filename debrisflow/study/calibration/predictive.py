@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -63,7 +63,7 @@ def drawn(space: ParameterSpace, scores: Floats, count: int, seed: int) -> list[
     return space.points(shares_of(scores[chosen]))
 
 
-def scores(study: Study, groups: dict[str, Sequence[Path]]) -> list[Score]:
+def scores(study: Study, groups: Mapping[str, Sequence[Path]]) -> list[Score]:
     """Return how well groups of runs predict the observed extents, used and held out.
 
     The Brier score is proper: on average nothing but the true probability has the least [1]_.
@@ -71,7 +71,7 @@ def scores(study: Study, groups: dict[str, Sequence[Path]]) -> list[Score]:
     Parameters
     ----------
     study : Study
-    groups : dict of sequence of Path
+    groups : mapping of sequence of Path
         Folders of finished runs by what they are, none empty.
 
     References

@@ -142,6 +142,7 @@ def calibrate(
     OutputError
         If the folder cannot be written.
     """
+    from debrisflow.study.calibration.extent_map import write_extent_maps
     from debrisflow.study.calibration.plots import write_plots
     from debrisflow.study.calibration.result_tables import write_tables
 
@@ -172,7 +173,8 @@ def calibrate(
         notes=[],
         files=[],
     )
-    found = found._replace(scores=_scores(study, found))
+    groups = _groups(found)
+    found = found._replace(scores=scores(study, groups))
     notes = [
         *_of_runs(found),
         *notes,
@@ -182,7 +184,9 @@ def calibrate(
         *_of_prediction(found),
     ]
     found = found._replace(notes=notes)
-    return found._replace(files=[*write_tables(found, target), *write_plots(found, target)])
+    written = [*write_tables(found, target), *write_plots(found, target)]
+    maps = write_extent_maps(study, groups, target)
+    return found._replace(files=[*written, *maps])
 
 
 def _computed(kind: str, points: Sequence[Values], evaluate: Evaluate) -> list[Run]:
@@ -249,14 +253,15 @@ def _error_at_posterior(
     return np.asarray(np.sqrt(((expected - residuals[chosen]) ** 2).mean(axis=0)))
 
 
-def _scores(study: Study, found: CalibrationResult) -> list[Score]:
+def _groups(found: CalibrationResult) -> dict[str, list[Path]]:
+    """Return the folders of finished runs by what they are, none empty."""
     best = found.runs[found.best].evaluated.folder
     groups = {
         "best fit": [best] if best is not None else [],
         DESIGN: found.folders(DESIGN),
         PREDICTIVE: found.folders(PREDICTIVE),
     }
-    return scores(study, {name: folders for name, folders in groups.items() if folders})
+    return {name: folders for name, folders in groups.items() if folders}
 
 
 def _of_runs(found: CalibrationResult) -> list[str]:
