@@ -16,7 +16,7 @@ from debrisflow.run.reading import text_of
 from debrisflow.study.names import FINDINGS
 
 MOST_ROWS = 60  # of a table that is shown on the page
-FIRST = ("tornado", "summary", "extents")  # what answers, before what it comes from
+FIRST = ("tornado", "summary", "extents", "posterior")  # what answers, before what it comes from
 STYLES = (".qml",)  # of rasters beside them
 
 
@@ -112,10 +112,11 @@ def attachments(files: Iterable[Path], folder: Path, subjects: Sequence[str] = (
 def _in_order(files: Iterable[Path], subjects: Sequence[str]) -> list[Path]:
     """Return the files that the page shows or links, in the order in which it does."""
 
-    def place(file: Path) -> tuple[int, bool, str]:
+    def place(file: Path) -> tuple[int, int, str]:
         own = max((one for one in subjects if file.stem.startswith(one)), key=len, default=None)
         number = len(subjects) if own is None else subjects.index(own)
-        return number, not file.stem.endswith(FIRST), file.name
+        kinds = [k for k, kind in enumerate(FIRST) if file.stem.endswith(kind)]
+        return number, min(kinds, default=len(FIRST)), file.name
 
     shown = [file for file in files if file.is_file() and file.suffix not in STYLES]
     return sorted(shown, key=place)

@@ -272,10 +272,15 @@ def test_long_tables_are_linked_and_counted_only(filled):
 
 
 def test_what_answers_stands_before_what_it_comes_from(tmp_path):
-    for name in ("runs.csv", "summary.csv", "emulator.csv", "x.qml"):
+    for name in ("runs.csv", "summary.csv", "emulator.csv", "extents.csv", "x.qml"):
         (tmp_path / name).write_text("a\n1\n")
     found = attachments(tmp_path.iterdir(), tmp_path)
-    assert [one.link.name for one in found.tables] == ["summary.csv", "emulator.csv", "runs.csv"]
+    assert [one.link.name for one in found.tables] == [
+        "summary.csv",
+        "extents.csv",
+        "emulator.csv",
+        "runs.csv",
+    ]
     assert found.links == []
 
 
