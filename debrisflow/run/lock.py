@@ -15,6 +15,10 @@ from debrisflow.run.refusals import refused
 PATIENCE = 1.0  # s, for a process that only looks whether there is a run
 
 
+class LockedError(OutputError):
+    """Another process runs in a folder."""
+
+
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Keep other processes from running in a folder, which is made if it does not exist.
@@ -23,15 +27,17 @@ def locked(folder: Path) -> Iterator[None]:
 
     Raises
     ------
+    LockedError
+        If another process runs there.
     OutputError
-        If another process runs there, or the folder cannot be written.
+        If the folder cannot be written.
     """
     lock = FileLock(folder / LOCK, timeout=PATIENCE)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         lock.acquire()
     except Timeout as error:
-        raise OutputError(
+        raise LockedError(
             f"another process is writing into {folder}; watch it with: debrisflow status {folder}"
         ) from error
     except OSError as error:

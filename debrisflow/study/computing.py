@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from threading import Lock
 from time import perf_counter, sleep
 
-from debrisflow.case import ResolvedCase
+from debrisflow.case import ResolvedCase, dump_case
 from debrisflow.errors import CaseError, DebrisflowError, DivergedError
+from debrisflow.run.atomic import replaced
 from debrisflow.run.events import Event
-from debrisflow.run.lock import is_locked
+from debrisflow.run.lock import LockedError
 from debrisflow.run.names import CASE
+from debrisflow.study.member import address
 from debrisflow.study.outcome import (
     FAILED,
     FINISHED,
@@ -25,7 +28,9 @@ PAUSE = 1.0  # s, between two looks at a member that another process computes
 _ONE_AT_A_TIME = Lock()  # the log of a run takes all messages of its process
 
 
-def compute(case: ResolvedCase, folder: Path, threads: int, program: str) -> Outcome:
+def compute(
+    case: ResolvedCase, folder: Path, digest: str, program: str, threads: int = 1
+) -> Outcome:
     """Compute a member, or go on with it, and return what became of it.
 
     What was computed before is not computed again; a member that another process computes is
@@ -36,48 +41,79 @@ def compute(case: ResolvedCase, folder: Path, threads: int, program: str) -> Out
     case : ResolvedCase
     folder : Path
         Of its run.
-    threads : int
+    digest : str
+        Its address, which case, files and program must have here and now.
     program : str
         By which the results are to be computed.
+    threads : int
     """
     from debrisflow.run import loop
 
     if loop.program() != program:
-        message = (
+        return _stopped(
             f"its worker has {loop.program()}, not {program}; install the same on all machines"
         )
-        return Outcome(STOPPED, message, {}, 0.0)
     with _ONE_AT_A_TIME:
-        while is_locked(folder):
-            sleep(PAUSE)
-        known = read_outcome(folder)
-        if known is not None:
-            return known
-        began = perf_counter()
-        try:
-            _run(case, folder, threads)
-            outcome = Outcome(FINISHED, "", _answers(folder), perf_counter() - began)
-        except (CaseError, DivergedError) as error:
-            outcome = Outcome(FAILED, str(error), {}, perf_counter() - began)
-        except DebrisflowError as error:
-            return Outcome(STOPPED, str(error), {}, perf_counter() - began)
-        except MemoryError:
-            return Outcome(STOPPED, "the memory of its worker is used up", {}, 0.0)
-        except Exception as error:  # whatever is wrong with one member, the others go on
-            message = f"a fault of the program: {type(error).__name__}: {error}"
-            return Outcome(STOPPED, message, {}, perf_counter() - began)
-        write_outcome(folder, outcome)
-        return outcome
+        while True:
+            try:
+                return read_outcome(folder) or _computed(case, folder, digest, program, threads)
+            except LockedError:
+                sleep(PAUSE)
+            except DebrisflowError as error:
+                return _stopped(str(error))
+            except MemoryError:
+                return _stopped("the memory of its worker is used up")
+            except Exception as error:  # whatever is wrong with one member, the others go on
+                return _stopped(f"a fault of the program: {type(error).__name__}: {error}")
+
+
+def _computed(case: ResolvedCase, folder: Path, digest: str, program: str, threads: int) -> Outcome:
+    """Run a member and keep what became of it.
+
+    Raises
+    ------
+    DebrisflowError
+        If something else than the case or its flow is in the way.
+    """
+    began = perf_counter()
+    _expect_same_files(case, digest, program)
+    try:
+        _run(case, folder, threads)
+    except (CaseError, DivergedError) as error:
+        _expect_same_files(case, digest, program)  # else it is not the case that is wrong
+        outcome = Outcome(FAILED, str(error), {}, perf_counter() - began)
+    else:
+        if address(case, program) != digest:
+            shutil.rmtree(folder, ignore_errors=True)  # they are not those of this address
+            _expect_same_files(case, digest, program)
+        outcome = Outcome(FINISHED, "", _answers(folder), perf_counter() - began)
+    write_outcome(folder, outcome)
+    return outcome
+
+
+def _expect_same_files(case: ResolvedCase, digest: str, program: str) -> None:
+    """Refuse a case whose files are not what they were when its address was made.
+
+    Raises
+    ------
+    CaseError
+    """
+    if address(case, program) != digest:
+        raise CaseError(
+            "a file that its case names has changed since the sweep began; start the sweep again"
+        )
 
 
 def _run(case: ResolvedCase, folder: Path, threads: int) -> None:
     from debrisflow.run.simulation import resume, simulate
 
-    if (folder / CASE).exists():
-        resume(folder, threads, on_event=_silent)
-    else:
-        folder.parent.mkdir(parents=True, exist_ok=True)
+    if not (folder / CASE).exists():
         simulate(case, folder, threads, on_event=_silent)
+        return
+    # Another study may have begun it, with its own title and places of the same files.
+    with replaced(folder / CASE) as unfinished:
+        unfinished.write_text(dump_case(case), encoding="utf-8")
+    resume(folder, threads, accept_changes=True, on_event=_silent)
 
 
 def _silent(event: Event) -> None:
@@ -90,6 +126,9 @@ def _answers(folder: Path) -> dict[str, Figure]:
     from debrisflow.results.answers import answers
     from debrisflow.results.survey import survey_of
 
-    return {
-        row.quantity: Figure(row.value, row.unit) for row in answers(survey_of(open_run(folder)))
-    }
+    rows = answers(survey_of(open_run(folder)))
+    return {row.quantity: Figure(row.value, row.unit) for row in rows}
+
+
+def _stopped(message: str) -> Outcome:
+    return Outcome(STOPPED, message, {}, 0.0)

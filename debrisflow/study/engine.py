@@ -6,20 +6,24 @@ import logging
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from hashlib import sha256
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from debrisflow.case.memory import available_memory, size
 from debrisflow.errors import OutputError
 from debrisflow.study.computing import compute
-from debrisflow.study.member import Member
+from debrisflow.study.member import DIGITS, Member
 from debrisflow.study.outcome import STOPPED, Outcome
 
 if TYPE_CHECKING:
     from distributed import Client
 
-MISSING = "debrisflow sweep needs packages of its own: pip install 'debrisflow[sweep]'"
+NEEDED = ("distributed", "SALib", "emcee", "sklearn", "xarray", "cryptography")
 PATIENCE = "10s"  # for a scheduler that does not answer
-OF_A_PROCESS = 3e8  # bytes, of Python and the compiled kernels, beside the particles
+JOINING = "120s"  # for its first worker, which a batch system may have to start
+OF_A_PROCESS = 1e9  # bytes, of Python while it compiles kernels, beside the particles
+DEATHS = 10  # of workers, after which their member is given up
 SPARE = 0.6  # share of a worker's memory beyond which a member does not fit: dask ends it at 0.95
 
 
@@ -52,6 +56,7 @@ def local_cluster(workers: int, threads: int) -> Iterator[Client]:
             host="127.0.0.1",
             dashboard_address="127.0.0.1:0",
             memory_limit=memory / workers if memory else "auto",
+            security=True,  # else any user of this machine could run code as this one
             silence_logs=logging.CRITICAL,
         ) as cluster,
         distributed.Client(cluster) as client,
@@ -74,10 +79,17 @@ def connected(address: str) -> Iterator[Client]:
         client = distributed.Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise OutputError(
-            f"no scheduler of dask answers at {address}: {error}; start one with: dask scheduler, "
-            f"and workers with: dask worker {address} --nthreads 1"
+            f"no scheduler of dask answers at {address}: {error}; how to start one is told in "
+            "docs/many_runs.md"
         ) from error
     with client:
+        try:
+            client.wait_for_workers(1, timeout=JOINING)
+        except TimeoutError as error:
+            raise OutputError(
+                f"the scheduler at {address} has had no worker for {JOINING}; start some with "
+                "--nthreads 1, see docs/many_runs.md"
+            ) from error
         yield client
 
 
@@ -138,7 +150,7 @@ def workers_of(client: Client) -> Mapping[str, Any]:
 
 
 def computed(
-    client: Client, members: Sequence[Member], threads: int, program: str
+    client: Client, members: Sequence[Member], program: str, threads: int
 ) -> Iterator[tuple[Member, Outcome]]:
     """Compute members, and yield each with what became of it, in the order in which they end.
 
@@ -149,10 +161,10 @@ def computed(
     ----------
     client : distributed.Client
     members : sequence of Member
-    threads : int
-        Of each.
     program : str
         That the workers must have.
+    threads : int
+        Of each.
     """
     from distributed import as_completed
 
@@ -164,20 +176,28 @@ def computed(
             compute,
             same[0].case,
             same[0].folder.absolute(),
-            threads,
+            digest,
             program,
-            key=f"member-{digest}",
+            threads,
+            key=_key(same[0], threads),
         )
         for digest, same in alike.items()
     }
+    of_future = {future.key: digest for digest, future in futures.items()}
     try:
         for future in as_completed(futures.values()):
             outcome = _outcome(future)
-            for member in alike[future.key.removeprefix("member-")]:
+            for member in alike[of_future[future.key]]:
                 yield member, outcome
             future.release()
     finally:
         client.cancel([future for future in futures.values() if not future.done()])
+
+
+def _key(member: Member, threads: int) -> str:
+    """Return the name of a task, by which clients of a scheduler share it: that of one folder."""
+    folder = sha256(str(member.folder.absolute()).encode()).hexdigest()
+    return f"member-{member.digest}-{folder[:DIGITS]}-{threads}"
 
 
 def _outcome(future: Any) -> Outcome:
@@ -187,8 +207,8 @@ def _outcome(future: Any) -> Outcome:
         found: Outcome = future.result()
         return found
     reason = (
-        "each worker that computed it was killed, as one is that takes more memory than it has; "
-        "use fewer workers"
+        "each worker that computed it died; one does that takes more memory than it has (use fewer "
+        "workers), or whose time in a batch system is over (the same command goes on)"
         if type(error).__name__ == "KilledWorker"
         else f"{type(error).__name__}: {error}"
     )
@@ -196,10 +216,15 @@ def _outcome(future: Any) -> Outcome:
 
 
 def _distributed() -> Any:
-    try:
-        import distributed
-    except ImportError as error:
-        raise OutputError(MISSING) from error
+    """Return dask.distributed, if all that a sweep needs later is there as well."""
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise OutputError(
+            f"{', '.join(missing)} cannot be imported; a sweep needs the packages of the extra "
+            "'sweep', see docs/install.md"
+        )
+    import distributed
+
     return distributed
 
 
@@ -219,6 +244,7 @@ def _configured(environment: Mapping[str, str]) -> Iterator[None]:
         {
             "distributed.nanny.pre-spawn-environ": {**before, **environment},
             "distributed.admin.tick.limit": "1h",  # compiling kernels holds the interpreter
+            "distributed.scheduler.allowed-failures": DEATHS,
         }
     ):
         yield

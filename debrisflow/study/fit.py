@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from debrisflow.errors import OutputError
 from debrisflow.run.atomic import replaced
 from debrisflow.study.calibration.observations import Evaluate, Evaluated
 from debrisflow.study.calibration.procedure import PREDICTIVE, CalibrationResult, calibrate
 from debrisflow.study.distributions import Values
-from debrisflow.study.engine import workers_of
 from debrisflow.study.map_files import write_maps
 from debrisflow.study.map_grid import grid_of
 from debrisflow.study.member import Member
 from debrisflow.study.names import FINDINGS, MAPS
-from debrisflow.study.outcome import FINISHED, Outcome
+from debrisflow.study.outcome import FINISHED, STOPPED, Outcome
 from debrisflow.study.results import Results
 from debrisflow.study.sweep import Sweep, Told
 
@@ -47,9 +47,8 @@ def fit(sweep: Sweep, client: Client, threads: int, told: Told | None, target: P
         If the folder cannot be written.
     """
     design = [one.values for one in sweep.members]
-    at_once = max(len(workers_of(client)), 1)
     evaluate = evaluation(sweep, client, threads, told)
-    found = calibrate(sweep.study, design, evaluate, target, at_once)
+    found = calibrate(sweep.study, design, evaluate, target)
     findings = target / FINDINGS
     with replaced(findings) as unfinished:
         unfinished.write_text("".join(f"{line}\n" for line in found.notes), encoding="utf-8")
@@ -69,6 +68,12 @@ def evaluation(
     def evaluate(points: Sequence[Values]) -> list[Evaluated]:
         members = sweep.at(points)
         outcomes = sweep.compute(client, members, threads, tell)
+        for member, outcome in zip(members, outcomes, strict=True):
+            if outcome.state == STOPPED:  # it may not be told from one that cannot be computed
+                raise OutputError(
+                    f"the calibration lacks member {member.number}, which was stopped: "
+                    f"{outcome.message}; once the cause is removed, the same command goes on"
+                )
         figures = Results(sweep.study, sweep.cases.base, members, outcomes).figures
         return [
             Evaluated(

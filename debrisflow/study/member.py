@@ -80,36 +80,41 @@ class Cases:
         CaseError
             If a value is none that a case may have.
         """
-        changes = [change for one in self._study.parameter for change in self._set(one, values)]
+        changes: dict[str, Any] = {}
+        for parameter in self._study.parameter:
+            self._set(parameter, values[parameter.name], changes)
+        given = [f"{key}={toml_of(value)}" for key, value in changes.items()]
         try:
-            return load_case(self._path, [*self._changes, *changes])
+            return load_case(self._path, [*self._changes, *given])
         except CaseError as error:
             raise CaseError(f"with {shown_values(values)}: {error}") from error
 
-    def _set(self, parameter: AnyParameter, values: Values) -> Iterator[str]:
-        """Yield the changes, as after ``--set``, that give a parameter its value."""
-        value = values[parameter.name]
+    def _set(self, parameter: AnyParameter, value: Value, changes: dict[str, Any]) -> None:
+        """Add to the changes, by key, those that give a parameter its value."""
         for key in parameter.keys:
-            if not parameter.is_factor:
-                yield f"{key}={toml_of(value)}"
-                continue
             parts = key.split(".")
-            scaled = _scaled(_at(self._complete, parts), value)
-            if scaled is None:
+            new: Any = value
+            if parameter.is_factor:
+                new = _scaled(_at(self._complete, parts), value)
+            if new is None:
                 raise CaseError(
                     f"parameter.{parameter.name}.key = {key}: {self._path} has no number there, "
                     "nor a list of numbers, that a factor could multiply"
                 )
-            yield self._change(parts, scaled)
+            table = self._named_by_file(parts)
+            if table is None:
+                changes[key] = new
+                continue
+            name = ".".join(table)
+            whole = changes.setdefault(name, deepcopy(_at(self._complete, table)))
+            _at(whole, parts[len(table) : -1])[parts[-1]] = new
 
-    def _change(self, parts: list[str], value: Any) -> str:
-        """Return a change of a value; where the case names a file for its table, of that."""
+    def _named_by_file(self, parts: Sequence[str]) -> list[str] | None:
+        """Return the path of the table for which the case names a file, on the way to a value."""
         for k in range(1, len(parts)):
             if isinstance(_at(self._given, parts[:k]), str):
-                table = deepcopy(_at(self._complete, parts[:k]))
-                _at(table, parts[k:-1])[parts[-1]] = value
-                return f"{'.'.join(parts[:k])}={toml_of(table)}"
-        return f"{'.'.join(parts)}={toml_of(value)}"
+                return list(parts[:k])
+        return None
 
 
 def members_of(cases: Cases, store: Path, points: Sequence[Values], program: str) -> list[Member]:
@@ -139,9 +144,16 @@ def members_of(cases: Cases, store: Path, points: Sequence[Values], program: str
 
 
 def address(case: ResolvedCase, program: str) -> str:
-    """Return the SHA-256 of what the results of a case depend on: its content and the program."""
+    """Return the SHA-256 of what the results of a case depend on: its content and the program.
+
+    Raises
+    ------
+    CaseError
+        If a file that the case names cannot be read.
+    """
     content = {key: value for key, value in content_of(case).items() if key not in WORDS}
-    return sha256(f"{program}\n{digest_of(content)}".encode()).hexdigest()
+    system = case.terrain.levels.grid.crs if case.is_terrain else ""  # may come from a .prj
+    return sha256(f"{program}\n{system}\n{digest_of(content)}".encode()).hexdigest()
 
 
 def flat(tables: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:

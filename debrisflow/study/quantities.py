@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor, isnan, nan
 from pathlib import Path
 
-from debrisflow.case.rasters import Raster
+from debrisflow.case.rasters import MapGrid, Raster
 from debrisflow.case.words import format_extent
 from debrisflow.errors import OutputError
 from debrisflow.results.layers import read_layer
@@ -67,13 +67,19 @@ def raster_at(raster: Raster, place: tuple[float, float]) -> float:
     Examples
     --------
     >>> import numpy as np
-    >>> from debrisflow.case.rasters import MapGrid
     >>> raster_at(Raster(MapGrid(0.0, 0.0, 1.0, 2, 1), np.array([[3.0, 4.0]])), (1.5, 0.5))
     4.0
     """
-    grid, (east, north) = raster.grid, place
-    column, row = floor((east - grid.west) / grid.cell), floor((grid.north - north) / grid.cell)
-    if not (0 <= column < grid.columns and 0 <= row < grid.rows):
+    grid, cell = raster.grid, cell_of(raster.grid, place)
+    if cell is None:
         extent = format_extent((grid.west, grid.south, grid.east, grid.north))
         raise OutputError(f"the place {place} lies outside the map of the run, {extent}")
-    return float(raster.values[row, column])
+    return float(raster.values[cell])
+
+
+def cell_of(grid: MapGrid, place: tuple[float, float]) -> tuple[int, int] | None:
+    """Return row and column of the cell in which a place lies; None outside the grid."""
+    column = floor((place[0] - grid.west) / grid.cell)
+    row = floor((grid.north - place[1]) / grid.cell)
+    is_inside = 0 <= column < grid.columns and 0 <= row < grid.rows
+    return (row, column) if is_inside else None

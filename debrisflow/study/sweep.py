@@ -17,7 +17,7 @@ from debrisflow.study.designs import points_of
 from debrisflow.study.distributions import Values
 from debrisflow.study.engine import computed, connected, expect_fit, local_cluster, workers_for
 from debrisflow.study.loading import load_study
-from debrisflow.study.map_checks import expect_told_apart
+from debrisflow.study.map_checks import expect_on_map, expect_told_apart
 from debrisflow.study.member import Cases, Member, members_of
 from debrisflow.study.names import MEMBERS, PLAN
 from debrisflow.study.outcome import Outcome, read_outcome
@@ -58,6 +58,7 @@ class Sweep:
         self.study, self.folder = study, Path(folder)
         self.store = Path(store) if store is not None else self.folder / MEMBERS
         self.cases = Cases(study)
+        expect_on_map(study, self.cases.base)
         expect_told_apart(study, self.cases.base)
         self._further: list[Member] = []
 
@@ -81,6 +82,19 @@ class Sweep:
     def members(self) -> list[Member]:
         """The members of the design."""
         return self._members_at(points_of(self.study))
+
+    @property
+    def left(self) -> list[Member]:
+        """The members of the design that are not yet computed, those of equal content once."""
+        found = {one.digest: one for one in self.members if read_outcome(one.folder) is None}
+        return list(found.values())
+
+    @property
+    def most_at_once(self) -> int:
+        """How many members there are to compute at the same time, at most."""
+        calibration = self.study.calibration
+        further = max(calibration.at_once, calibration.predictive) if calibration else 0
+        return max(len(self.left), further)
 
     @cached_property
     def need(self) -> float:
@@ -137,7 +151,8 @@ class Sweep:
                 expect_fit(client, self.need)
                 yield client
             return
-        with local_cluster(count or workers_for(self.need, threads), threads) as client:
+        room = count or workers_for(self.need, threads)
+        with local_cluster(max(min(room, self.most_at_once), 1), threads) as client:
             expect_fit(client, self.need)
             yield client
 
@@ -145,6 +160,7 @@ class Sweep:
     def open(self) -> Iterator[None]:
         """Keep other processes from running this study, and write down its members."""
         made(self.folder, is_deep=True)
+        made(self.store, is_deep=True)
         with locked(self.folder):
             self._write_plan()
             yield
@@ -164,7 +180,7 @@ class Sweep:
         for member in members:
             if told and member.number in found:
                 told(member, found[member.number])
-        for member, outcome in computed(client, left, threads, self._program):
+        for member, outcome in computed(client, left, self._program, threads):
             found[member.number] = outcome
             if told:
                 told(member, outcome)

@@ -167,6 +167,13 @@ class Calibration(Table):
     runs: int = field(
         NONE, "in all, those of the design among them; the others are chosen one by one", ge=4
     )
+    at_once: int = field(
+        NONE,
+        "how many of these are chosen at a time, to be computed together; as many as there are "
+        "workers saves time, one saves runs",
+        2,
+        ge=1,
+    )
     predictive: int = field(
         NONE, "runs drawn from the posterior, for its maps; besides the others", 0, ge=0
     )

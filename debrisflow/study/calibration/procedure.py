@@ -118,7 +118,6 @@ def calibrate(
     design: Sequence[Values],
     evaluate: Evaluate,
     target: Path,
-    at_once: int = 1,
 ) -> CalibrationResult:
     """Fit the parameters of a study to its observations, and write tables and plots.
 
@@ -132,8 +131,6 @@ def calibrate(
         Computes the study at some points.
     target : Path
         Folder of the files.
-    at_once : int
-        How many runs are computed at the same time.
 
     Raises
     ------
@@ -150,7 +147,7 @@ def calibrate(
     assert wanted is not None, "the check of a study sees to it"
     space = ParameterSpace.of(study)
     runs = _computed(DESIGN, design, evaluate)
-    notes = _improve(study, wanted, space, runs, evaluate, at_once)
+    notes = _improve(study, wanted, space, runs, evaluate)
     emulator, residuals = _emulator(study, space, runs, wanted.seed)
     posterior = sampled(emulator, space, wanted.seed)
     if wanted.predictive:
@@ -200,7 +197,6 @@ def _improve(
     space: ParameterSpace,
     runs: list[Run],
     evaluate: Evaluate,
-    at_once: int,
 ) -> list[str]:
     """Add runs where the misfit may be less, and say why no more are added."""
     while (left := wanted.runs - len(runs)) > 0:
@@ -212,7 +208,7 @@ def _improve(
             space,
             shares[~has_failed],
             shares[has_failed],
-            min(at_once, left),
+            min(wanted.at_once, left),
             wanted.seed + len(runs),
         )
         if proposal.improvement < NEGLIGIBLE:
