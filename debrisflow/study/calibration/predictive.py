@@ -40,7 +40,8 @@ class Score(NamedTuple):
     brier : float
         Sum over the cells of the squares of ``p - o``, probability that the runs reach the cell
         less 1 if it was reached, over the number of observed cells.  As a mean over all cells it
-        would depend on how much dry land the map shows.
+        would depend on how much dry land the map shows.  Of several runs it is that of very many
+        such runs (fair score), so that groups of different size can be compared.
     covered : float
         Share of the observed cells that are reached with a probability of 0.1 at least.
     """
@@ -66,7 +67,9 @@ def drawn(space: ParameterSpace, scores: Floats, count: int, seed: int) -> list[
 def scores(study: Study, groups: Mapping[str, Sequence[Path]]) -> list[Score]:
     """Return how well groups of runs predict the observed extents, used and held out.
 
-    The Brier score is proper: on average nothing but the true probability has the least [1]_.
+    The Brier score is proper: on average nothing but the true probability has the least [1]_.  A
+    share p of m runs has on average a score that is greater by ``p (1 - p) / (m - 1)`` than that of
+    the probability from which the runs are drawn; this is taken off [2]_.
 
     Parameters
     ----------
@@ -78,6 +81,8 @@ def scores(study: Study, groups: Mapping[str, Sequence[Path]]) -> list[Score]:
     ----------
     .. [1] T. Gneiting, A. E. Raftery, Strictly proper scoring rules, prediction, and estimation,
        Journal of the American Statistical Association 102 (2007), doi:10.1198/016214506000001437
+    .. [2] C. A. T. Ferro, Fair scores for ensemble forecasts, Quarterly Journal of the Royal
+       Meteorological Society 140 (2014), doi:10.1002/qj.2270
     """
     rows = []
     for observation in study.observation:
@@ -101,13 +106,14 @@ def _of_group(study: Study, observation: Extent, name: str, folders: Sequence[Pa
     found = [extents(folder, observation) for folder in folders]
     reached = np.mean([one.simulated for one in found], axis=0)
     observed, rows = found[0].observed, []
+    square = (reached - observed) ** 2 - reached * (1.0 - reached) / max(len(found) - 1, 1)
     for part, compared in used_and_held_out(study, found[0]):
         seen = int((observed & compared).sum())
         if not seen:
             continue
         agreements = [contingency(observed, one.simulated, compared) for one in found]
         missed, false = np.mean([missed_and_false(one) for one in agreements], axis=0).tolist()
-        brier = float(((reached - observed)[compared] ** 2).sum()) / seen
+        brier = float(square[compared].sum()) / seen
         covered = float((reached[observed & compared] >= LIKELY).mean())
         csi = float(np.mean([one.csi for one in agreements]))
         rows.append(
