@@ -23,7 +23,10 @@ USUAL = (
     "front_farthest",
 )
 """Answers that are shown of each run where a study names no quantities."""
-WITHOUT_ZERO = ("arrival", "terrain")
+ARRIVAL = "arrival"
+EARLY = ("_arrival", "_overtopping_time")
+"""Ends of the names of answers that are times at which something comes."""
+WITHOUT_ZERO = (ARRIVAL, "terrain")
 """Layers of which no data does not mean zero: where nothing flowed there is no arrival."""
 
 
@@ -83,3 +86,14 @@ def cell_of(grid: MapGrid, place: tuple[float, float]) -> tuple[int, int] | None
     row = floor((grid.north - place[1]) / grid.cell)
     is_inside = 0 <= column < grid.columns and 0 <= row < grid.rows
     return (row, column) if is_inside else None
+
+
+def is_early(quantity: Quantity) -> bool:
+    """Return whether a quantity is a time at which something comes, so that the least is worst.
+
+    Examples
+    --------
+    >>> is_early(Quantity(answer="road_arrival")), is_early(Quantity(answer="arrival_latest"))
+    (True, False)
+    """
+    return quantity.layer == ARRIVAL or (quantity.answer or "").endswith(EARLY)

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.study.checks import ARRIVAL
+from debrisflow.study.quantities import is_early
 from debrisflow.study.results import Results
-from debrisflow.study.tables import Quantity
 
 Floats = NDArray[np.float64]
 SHARES = (0.05, 0.5, 0.95)
-EARLY = ("_arrival", "_overtopping_time")
-"""Ends of the names of answers that are times at which something comes."""
 
 
 @dataclass(frozen=True)
@@ -59,17 +56,6 @@ def summaries(results: Results) -> list[Summary]:
         summary(name, unit, results.values_of(name), name in early)
         for name, unit in results.units.items()
     ]
-
-
-def is_early(quantity: Quantity) -> bool:
-    """Return whether a quantity is a time at which something comes, so that the least is worst.
-
-    Examples
-    --------
-    >>> is_early(Quantity(answer="road_arrival")), is_early(Quantity(answer="arrival_latest"))
-    (True, False)
-    """
-    return quantity.layer == ARRIVAL or (quantity.answer or "").endswith(EARLY)
 
 
 def summary(name: str, unit: str, values: Floats, least_is_worst: bool = False) -> Summary:

@@ -314,8 +314,12 @@ def test_search_ends_early_when_nothing_is_to_be_gained() -> None:
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_runs_are_chosen_as_many_at_once_as_there_are_workers(tmp_path: Path) -> None:
-    study = study_of({"product": (0.3, 0.1), "first_only": (0.4, 0.2)}, runs=13)
+def test_runs_are_chosen_as_many_at_once_as_the_study_says(tmp_path: Path) -> None:
+    study = study_of(
+        {"product": (0.3, 0.1), "first_only": (0.4, 0.2)},
+        runs=13,
+        calibration={"runs": 13, "at_once": 3},
+    )
     works = model(product=lambda x, y: x * y, first_only=lambda x, y: x)
     counts: list[int] = []
 
@@ -323,7 +327,7 @@ def test_runs_are_chosen_as_many_at_once_as_there_are_workers(tmp_path: Path) ->
         counts.append(len(points))
         return works(points)
 
-    found = calibrate(study, design_of(study), evaluate, tmp_path, at_once=3)
+    found = calibrate(study, design_of(study), evaluate, tmp_path)
     assert counts[0] == 8
     assert max(counts[1:]) == 3
     assert sum(counts) == len(found.runs) <= 13
@@ -354,16 +358,22 @@ def test_fit_needs_more_runs_than_parameters() -> None:
         fitted(study, lambda points: [Evaluated(None, {}) for _ in points])
 
 
-def test_figure_that_a_run_lacks_contradicts_the_observation() -> None:
-    study = study_of({"arrival": (10.0, 2.0)})
+def test_arrival_that_a_run_lacks_contradicts_the_observation() -> None:
+    study = study_of({"road_arrival": (10.0, 2.0)})
     answers = [11.0, 30.0, np.nan]
-    runs = [Evaluated(Path("run"), {"arrival": value}) for value in answers]
+    runs = [Evaluated(Path("run"), {"road_arrival": value}) for value in answers]
     found = residuals_of(study, [*runs, Evaluated(None, {})])
     np.testing.assert_array_equal(found[:, 0], [0.5, 10.0, 10.0, np.nan])
     near = residuals_of(study, [runs[0], runs[2]])
     np.testing.assert_array_equal(near[:, 0], [0.5, 5.0])
     with pytest.raises(CaseError, match="no run has this quantity"):
         residuals_of(study, [runs[2]])
+
+
+def test_of_a_level_that_a_run_lacks_nothing_is_known() -> None:
+    study = study_of({"level": (10.0, 2.0)})
+    runs = [Evaluated(Path("run"), {"level": value}) for value in (11.0, np.nan)]
+    np.testing.assert_array_equal(residuals_of(study, runs)[:, 0], [0.5, np.nan])
 
 
 def test_prior_in_scores_is_that_in_the_parameters() -> None:

@@ -11,9 +11,10 @@ import pytest
 from debrisflow.study.attachments import MOST_ROWS, attachments
 from debrisflow.study.member import Member
 from debrisflow.study.outcome import FAILED, FINISHED, Figure, Outcome
+from debrisflow.study.quantities import is_early
 from debrisflow.study.report import study_report
 from debrisflow.study.results import Results
-from debrisflow.study.statistics import is_early, summary
+from debrisflow.study.statistics import summary
 from debrisflow.study.tables import Quantity, Study
 from tests.recording import channel_case
 

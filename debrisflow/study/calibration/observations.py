@@ -14,6 +14,7 @@ from debrisflow.errors import CaseError
 from debrisflow.results.flow_path import centers
 from debrisflow.results.score import Contingency, Extents, contingency, extents_of
 from debrisflow.study.distributions import Values
+from debrisflow.study.quantities import is_early
 from debrisflow.study.tables import Extent, Part, Study
 
 Floats = NDArray[np.float64]
@@ -57,10 +58,10 @@ def residuals_of(study: Study, runs: Sequence[Evaluated]) -> Floats:
     An extent has two: the area that a run misses and the area that it reaches falsely, each as a
     share of the observed area, over the error.  The held-out part of the map is left out.
 
-    A figure that a run lacks, as the arrival of a flow that stopped on its way, contradicts the
-    observation.  It counts as much as the worst of the runs that have the figure, above the
-    observed value, and 5 errors at least: for an arrival that never came this is a lower bound (it
-    is censored), and no jump for an emulator.
+    The arrival of a flow that stopped on its way contradicts the observed one.  It counts as much
+    as the worst of the runs in which the flow arrives, above the observed value, and 5 errors at
+    least: a lower bound (it is censored), and no jump for an emulator.  Of other figures that a run
+    lacks nothing is known, and the run is left out as a failed one.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ def residuals_of(study: Study, runs: Sequence[Evaluated]) -> Floats:
     Returns
     -------
     (runs, residuals) float64 array
-        nan in the rows of failed runs.
+        nan in the rows of failed runs, and of those that lack a figure which is no arrival.
 
     Raises
     ------
@@ -87,7 +88,9 @@ def residuals_of(study: Study, runs: Sequence[Evaluated]) -> Floats:
         else:
             values = np.array([run.answers.get(one.quantity, np.nan) for run in runs], dtype=float)
             has_failed = np.array([run.folder is None for run in runs], dtype=bool)
-            columns.append(_filled((values - one.value) / one.error, has_failed, one.quantity))
+            residuals = (values - one.value) / one.error
+            is_time = any(is_early(own) for own in study.quantity if own.called == one.quantity)
+            columns.append(_filled(residuals, has_failed, one.quantity) if is_time else residuals)
     return np.column_stack(columns)
 
 
