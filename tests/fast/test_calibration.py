@@ -314,8 +314,9 @@ def test_search_ends_early_when_nothing_is_to_be_gained() -> None:
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_runs_are_chosen_as_many_at_once_as_there_are_workers(tmp_path: Path) -> None:
-    study = study_of({"product": (0.3, 0.1), "first_only": (0.4, 0.2)}, runs=13)
+def test_runs_are_chosen_as_many_at_once_as_the_study_says(tmp_path: Path) -> None:
+    observed = {"product": (0.3, 0.1), "first_only": (0.4, 0.2)}
+    study = study_of(observed, calibration={"runs": 13, "at_once": 3})
     works = model(product=lambda x, y: x * y, first_only=lambda x, y: x)
     counts: list[int] = []
 
@@ -323,7 +324,7 @@ def test_runs_are_chosen_as_many_at_once_as_there_are_workers(tmp_path: Path) ->
         counts.append(len(points))
         return works(points)
 
-    found = calibrate(study, design_of(study), evaluate, tmp_path, at_once=3)
+    found = calibrate(study, design_of(study), evaluate, tmp_path)
     assert counts[0] == 8
     assert max(counts[1:]) == 3
     assert sum(counts) == len(found.runs) <= 13
