@@ -79,16 +79,18 @@ def connected(address: str) -> Iterator[Client]:
         client = distributed.Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise OutputError(
-            f"no scheduler of dask answers at {address}: {error}; how to start one is told in "
-            "docs/many_runs.md"
+            f"no scheduler of dask answers at {address}: {error}; start one with: dask scheduler "
+            f"--host HOST, and workers with: dask worker {address} --host HOST --nthreads 1. "
+            "Whoever reaches them can run code as you: let HOST be 127.0.0.1, or in a network of "
+            "people whom you trust"
         ) from error
     with client:
         try:
             client.wait_for_workers(1, timeout=JOINING)
         except TimeoutError as error:
             raise OutputError(
-                f"the scheduler at {address} has had no worker for {JOINING}; start some with "
-                "--nthreads 1, see docs/many_runs.md"
+                f"the scheduler at {address} has had no worker for {JOINING}; start some with: "
+                f"dask worker {address} --host HOST --nthreads 1"
             ) from error
         yield client
 

@@ -315,11 +315,8 @@ def test_search_ends_early_when_nothing_is_to_be_gained() -> None:
 
 @pytest.mark.usefixtures("undrawn")
 def test_runs_are_chosen_as_many_at_once_as_the_study_says(tmp_path: Path) -> None:
-    study = study_of(
-        {"product": (0.3, 0.1), "first_only": (0.4, 0.2)},
-        runs=13,
-        calibration={"runs": 13, "at_once": 3},
-    )
+    observed = {"product": (0.3, 0.1), "first_only": (0.4, 0.2)}
+    study = study_of(observed, calibration={"runs": 13, "at_once": 3})
     works = model(product=lambda x, y: x * y, first_only=lambda x, y: x)
     counts: list[int] = []
 

@@ -4,6 +4,8 @@ import json
 import signal
 import subprocess
 import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from time import monotonic, sleep
 
 import pytest
@@ -11,8 +13,11 @@ import tomli_w
 
 from debrisflow import Sweep
 from debrisflow.errors import OutputError
+from debrisflow.run.loop import program
 from debrisflow.study import engine
-from debrisflow.study.outcome import FAILED, FINISHED
+from debrisflow.study.computing import compute
+from debrisflow.study.engine import computed
+from debrisflow.study.outcome import FAILED, FINISHED, STOPPED
 from debrisflow.study.status import sweep_status
 
 pytest.importorskip("distributed")
@@ -153,3 +158,57 @@ def test_a_scheduler_that_is_not_there_is_told(tmp_path, monkeypatch):
         sweep.workers(scheduler="tcp://127.0.0.1:9"),
     ):
         pass
+
+
+def test_two_processes_on_one_member_compute_it_once(tmp_path):
+    sweep = Sweep.from_file(study_file(tmp_path, [20.0]), tmp_path / "out")
+    (member,) = sweep.members
+    asked = (member.case, member.folder, member.digest, program())
+    member.folder.parent.mkdir(parents=True)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        found = list(pool.map(compute, *zip(asked, asked, strict=True)))
+    assert [outcome.state for outcome in found] == [FINISHED, FINISHED]
+    assert repr(found[0]) == repr(found[1])
+    assert (member.folder / "run.log").read_text().count("threads by") == 1
+
+
+def test_two_studies_on_one_scheduler_each_have_their_members(tmp_path):
+    from distributed import Client, LocalCluster
+
+    sweeps = [
+        Sweep.from_file(study_file(tmp_path, [20.0]), tmp_path / name) for name in ("one", "two")
+    ]
+    with (
+        LocalCluster(1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster) as one,
+        Client(cluster) as two,
+    ):
+        found = [
+            computed(client, sweep.members, program(), 1)
+            for client, sweep in zip((one, two), sweeps, strict=True)
+        ]
+        states = [[outcome.state for _, outcome in results] for results in found]
+    assert states == [[FINISHED], [FINISHED]]
+    assert all((sweep.members[0].folder / "history.csv").exists() for sweep in sweeps)
+
+
+def test_a_member_whose_case_is_not_what_it_was_is_stopped_and_not_kept(tmp_path):
+    sweep = Sweep.from_file(study_file(tmp_path, [20.0, 25.0]), tmp_path / "out")
+    one, other = sweep.members
+    outcome = compute(other.case, one.folder, one.digest, program())
+    assert outcome.state == STOPPED
+    assert "has changed since the sweep began" in outcome.message
+    assert not one.folder.exists()
+    assert compute(one.case, one.folder, one.digest, "another").state == STOPPED
+
+
+def test_a_member_that_another_study_began_goes_on_with_the_files_of_this_one(tmp_path):
+    sweep = Sweep.from_file(study_file(tmp_path, [20.0]), tmp_path / "out")
+    (member,) = sweep.members
+    asked = (member.case, member.folder, member.digest, program())
+    assert compute(*asked).state == FINISHED
+    (member.folder / "member.json").unlink()
+    case = member.folder / "case.toml"
+    case.write_text(case.read_text().replace("a block of water that collapses", "elsewhere"))
+    assert compute(*asked).state == FINISHED
+    assert "a block of water that collapses" in case.read_text()
