@@ -12,7 +12,7 @@ from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.words import did_you_mean, either
 from debrisflow.run.layers import LAYERS
 from debrisflow.study.correlations import correlation_matrix
-from debrisflow.study.distributions import Choice
+from debrisflow.study.distributions import AnyParameter, Choice
 from debrisflow.study.tables import (
     Calibration,
     Figure,
@@ -49,6 +49,31 @@ def _parameters(study: Study) -> Problems:
             owner = owners.setdefault(key, parameter.name)
             if owner != parameter.name:
                 yield Problem(f"parameter.{k}.key", f"'{owner}' sets it too; leave one out", key)
+        yield from _bounds(f"parameter.{k}", parameter)
+        yield from _choices(f"parameter.{k}", parameter)
+
+
+def _bounds(key: str, parameter: AnyParameter) -> Problems:
+    """Yield the bounds of a distribution that are not in order."""
+    low, likely, high = (getattr(parameter, name, None) for name in ("low", "likely", "high"))
+    if low is not None and high is not None and low >= high:
+        yield Problem(f"{key}.low", f"must be less than high, {high:g}", low)
+    elif likely is not None and not low <= likely <= high:
+        yield Problem(f"{key}.likely", f"must lie from low to high, {low:g} to {high:g}", likely)
+
+
+def _choices(key: str, parameter: AnyParameter) -> Problems:
+    """Yield what makes a list of values no choice, or one whose values are not equally likely."""
+    if not isinstance(parameter, Choice):
+        return
+    values = parameter.values
+    if len(values) < 2:
+        yield Problem(
+            f"{key}.values", "must be two or more; set a single one for all under [set]", values
+        )
+    for k, value in enumerate(values):
+        if value in values[:k]:
+            yield Problem(f"{key}.values.{k}", "stands in the list before; leave one out", value)
 
 
 def _twice(table: str, names: list[str]) -> Problems:

@@ -271,6 +271,27 @@ RUNOUT = {"name": "runout", "answer": "runout_length"}
             "parameter.1.key = \"a\": 'volume' sets it too; leave one out",
         ),
         (
+            {"parameter": [UNIFORM | {"low": 400.0}]},
+            "parameter.0.low = 400.0: must be less than high, 300",
+        ),
+        (
+            {"parameter": [NORMAL | {"low": 2.0, "high": 2.0}]},
+            "parameter.0.low = 2.0: must be less than high, 2",
+        ),
+        (
+            {"parameter": [TRIANGULAR | {"likely": -0.5}]},
+            "parameter.0.likely = -0.5: must lie from low to high, 0 to 0.9",
+        ),
+        (
+            {"parameter": [UNIFORM, WORDS | {"values": ["a.asc"]}]},
+            'parameter.1.values = ["a.asc"]: must be two or more; set a single one for all under '
+            "[set]",
+        ),
+        (
+            {"parameter": [UNIFORM, WORDS | {"values": [0.5, 1.0, 0.5]}]},
+            "parameter.1.values.2 = 0.5: stands in the list before; leave one out",
+        ),
+        (
             {"correlation": [together("volume", "frction", 0.5)]},
             "correlation.0.parameters: no parameter is named 'frction'; did you mean 'friction'?",
         ),
