@@ -13,6 +13,7 @@ from debrisflow.case.words import did_you_mean, either
 from debrisflow.run.layers import LAYERS
 from debrisflow.study.correlations import correlation_matrix
 from debrisflow.study.distributions import AnyParameter, Choice
+from debrisflow.study.places import overlaps
 from debrisflow.study.tables import (
     Calibration,
     Figure,
@@ -43,12 +44,8 @@ def problems_of(study: Study) -> list[Problem]:
 
 def _parameters(study: Study) -> Problems:
     yield from _twice("parameter", [parameter.name for parameter in study.parameter])
-    owners: dict[str, str] = {}
+    yield from overlaps(study, lambda key: tuple(key.split(".")))
     for k, parameter in enumerate(study.parameter):
-        for key in parameter.keys:
-            owner = owners.setdefault(key, parameter.name)
-            if owner != parameter.name:
-                yield Problem(f"parameter.{k}.key", f"'{owner}' sets it too; leave one out", key)
         yield from _bounds(f"parameter.{k}", parameter)
         yield from _choices(f"parameter.{k}", parameter)
 

@@ -182,7 +182,12 @@ class Study(Table):
     title: str = field(NONE, "one line")
     notes: str = field(NONE, "what a reader must know", "")
     case: str = field(NONE, "case file that all members start from, beside the study")
-    set: dict[str, Any] = field(NONE, "changes to the case for all members, by its keys", {})
+    set: dict[str, Any] = field(
+        NONE,
+        "changes to the case for all members, by its keys; what a parameter sets too is its start, "
+        "which the parameter multiplies or replaces",
+        {},
+    )
     parameter: Annotated[tuple[AnyParameter, ...], Strict(False)] = field(
         NONE, "what differs between members", min_length=1
     )

@@ -271,6 +271,14 @@ RUNOUT = {"name": "runout", "answer": "runout_length"}
             "parameter.1.key = \"a\": 'volume' sets it too; leave one out",
         ),
         (
+            {"parameter": [UNIFORM, NORMAL | {"key": "a.b"}]},
+            "parameter.1.key = \"a.b\": is a part of a, which 'volume' sets; leave one out",
+        ),
+        (
+            {"parameter": [UNIFORM | {"key": ["a.b", "c", "c"]}]},
+            "parameter.0.key = \"c\": 'volume' sets it too; leave one out",
+        ),
+        (
             {"parameter": [UNIFORM | {"low": 400.0}]},
             "parameter.0.low = 400.0: must be less than high, 300",
         ),

@@ -4,6 +4,8 @@ import pytest
 
 from debrisflow.errors import CaseError
 from debrisflow.study.loading import load_study
+from debrisflow.study.places import expect_apart
+from debrisflow.study.tables import Study
 
 HEAD = """\
 title = "a study"
@@ -57,3 +59,81 @@ def test_bounds_that_are_not_in_order_are_named_with_their_value(tmp_path):
     assert refused(tmp_path, law) == [
         "parameter.friction.likely = 0.4: must lie from low to high, 0.2 to 0.3"
     ]
+
+
+COMPLETE = {
+    "geometry": {"type": "tank"},
+    "release": [
+        {"name": "torrent", "hydrograph": {"time": [0.0, 9.0], "discharge": [1.0, 2.0]}},
+        {"name": "gully", "volume": 5.0},
+    ],
+    "rheology": {"type": "bingham", "yield_stress": 9.0},
+}
+
+
+def study_of(first, second, changes=None, is_factor=False):
+    """Return a study of two parameters with the given keys."""
+    law = {"distribution": "uniform", "low": 0.1, "high": 0.2, "is_factor": is_factor}
+    return Study(
+        title="a study",
+        case="case.toml",
+        parameter=[law | {"name": "one", "key": first}, law | {"name": "two", "key": second}],
+        design={"type": "grid"},
+        set=changes or {},
+    )
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "message"),
+    [
+        (
+            "release.gully.volume",
+            "release.1.volume",
+            "\"release.1.volume\": 'one' sets it too, as release.gully.volume; leave one out",
+        ),
+        (
+            "release.0.hydrograph.discharge",
+            "release.torrent.hydrograph",
+            "\"release.torrent.hydrograph\": holds release.0.hydrograph.discharge, which 'one' "
+            "sets; leave one out",
+        ),
+        (
+            ["rheology.type", "release.0"],
+            "release.torrent.hydrograph",
+            "\"release.torrent.hydrograph\": is a part of release.0, which 'one' sets; leave one "
+            "out",
+        ),
+        (
+            "rheology.yield_stress",
+            "strength.yield_stress",
+            "\"strength.yield_stress\": 'one' sets it too, as rheology.yield_stress; leave one out",
+        ),
+    ],
+)
+def test_a_place_of_the_case_has_one_parameter(first, second, message):
+    with pytest.raises(CaseError) as caught:
+        expect_apart(study_of(first, second), COMPLETE)
+    assert str(caught.value) == f"parameter.two.key = {message}"
+
+
+def test_places_beside_each_other_are_apart():
+    first, second = "release.torrent.hydrograph.time", "release.0.hydrograph.discharge"
+    assert expect_apart(study_of(first, second), COMPLETE) is None
+    assert expect_apart(study_of("release.0.volume", "release.1.volume"), COMPLETE) is None
+    assert expect_apart(study_of("rheology.yield_stress", "rheology.yield"), COMPLETE) is None
+
+
+def test_a_change_is_a_start_but_not_within_what_a_parameter_sets():
+    keys = "release.torrent.hydrograph", "rheology.yield_stress"
+    start = {"rheology": {"yield_stress": 4.0}, "release.torrent.hydrograph": "a.csv"}
+    assert expect_apart(study_of(*keys, start), COMPLETE) is None
+    within = {"release": {"0": {"hydrograph": {"discharge": [1.0, 3.0]}}}}
+    with pytest.raises(CaseError) as caught:
+        expect_apart(study_of(*keys, within), COMPLETE)
+    assert str(caught.value) == (
+        'parameter.one.key = "release.torrent.hydrograph": holds release.0.hydrograph.discharge, '
+        "which [set] changes; leave one out"
+    )
+    entry = {"release.torrent.hydrograph.discharge.1": 3.0}
+    keys = "release.0.hydrograph.discharge", "rheology.yield_stress"
+    assert expect_apart(study_of(*keys, entry, is_factor=True), COMPLETE) is None
