@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from debrisflow.study.checks import ARRIVAL
+from debrisflow.study.map_checks import ARRIVAL
 from debrisflow.study.results import Results
 from debrisflow.study.tables import Quantity
 

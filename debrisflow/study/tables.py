@@ -78,6 +78,8 @@ AnyDesign = Annotated[
     Grid | OneAtATime | LatinHypercube | SobolSequence | Morris | Saltelli | Scenarios,
     Field(discriminator="type"),
 ]
+RandomDesign = LatinHypercube | SobolSequence
+"""A design whose members are drawn from the distributions, each independently of the others."""
 
 
 class Quantity(Table):

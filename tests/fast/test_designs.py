@@ -385,6 +385,49 @@ RUNOUT = {"name": "runout", "answer": "runout_length"}
             "map.0.quantiles = [0.5, 1.0]: must be shares between 0 and 1, both left out",
         ),
         (
+            {"map": [{"layer": "peak_depth"}]},
+            "map.0: asks for nothing; give exceeds or quantiles, or leave it out",
+        ),
+        (
+            {"map": [{"layer": "arrival", "before": [-1.0]}]},
+            "map.0.before.0 = -1.0: must be at least 0",
+        ),
+        (
+            {"map": [{"layer": "peak_depth", "exceeds": [-0.5, 0.5]}]},
+            "map.0.exceeds.0 = -0.5: must be at least 0",
+        ),
+        (
+            {"map": [{"layer": "peak_depth", "exceeds": [0.5, 1.0, 0.5]}]},
+            "map.0.exceeds.2 = 0.5: the list has it before; leave one out",
+        ),
+        (
+            {
+                "map": [
+                    {"layer": "peak_depth", "exceeds": [0.5], "quantiles": [0.5]},
+                    {"layer": "peak_speed", "exceeds": [0.5]},
+                    {"layer": "peak_depth", "exceeds": [1.0, 0.5000001]},
+                ]
+            },
+            "map.2.exceeds.1 = 0.5000001: map.0 asks for it before; leave one out",
+        ),
+        (
+            {"parameter": [UNIFORM | {"name": "state"}]},
+            'parameter.0.name = "state": is a column of the table of members; choose another',
+        ),
+        (
+            {"quantity": [RUNOUT | {"name": "member"}]},
+            'quantity.0.name = "member": is a column of the table of members; choose another',
+        ),
+        (
+            {"quantity": [RUNOUT, RUNOUT | {"name": "ratio"}]},
+            'quantity.1.name = "ratio": is the name of parameter.3 too; choose another',
+        ),
+        (
+            {"parameter": [UNIFORM | {"name": "runout_length"}]},
+            'parameter.0.name = "runout_length": is the name of an answer of each run too; choose '
+            "another",
+        ),
+        (
             {"observation": [FIGURE | {"quantity": "runnout"}], "quantity": [RUNOUT]},
             'observation.0.quantity = "runnout": no [[quantity]] has this name; did you mean '
             "'runout'?",
