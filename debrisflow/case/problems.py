@@ -16,6 +16,7 @@ from debrisflow.case.words import ABSENT, NEAR, did_you_mean, either, nearest
 Problems = Iterator["Problem"]
 LONGEST_VALUE = 60
 CHOOSERS = ("type", "law", "distribution")  # fields by which one of several tables is chosen
+LIST = "tuple["  # begins what pydantic calls a kind of list
 MOST_SUGGESTED = 3  # keys of other tables
 _ENTRY = re.compile(r"\b([a-z]+)\.([0-9]{1,9})\b")
 
@@ -123,7 +124,7 @@ def locate(path: Sequence[str | int], root: type[Table] = Case) -> Place:
         if chosen and _is_union(field):
             tables, field = chosen, None
             continue
-        if _is_union(field) and str(step).startswith("tuple["):
+        if str(step).startswith(LIST):
             continue
         keys.append(step)
         if isinstance(step, int) or step.isdecimal():
@@ -191,10 +192,15 @@ def translate(
 ) -> Problem | None:
     """Return the problem that one error of pydantic, about the data of a case, stands for.
 
-    Returns None for the second of two errors about one value that may be a table or a text.
+    Returns None for an error that only repeats others: the second one about a value that may be
+    of two kinds, and that of a list whose entries are wrong, which pydantic does not count.
     """
     place = locate(error["loc"], root)
     kind, value = error["type"], error["input"]
+    if kind == "too_short" and len(value) >= error["ctx"]["min_length"]:
+        return None
+    if _is_of_second_kind(error["loc"], place):
+        return None
     if kind == "extra_forbidden":
         message = _not_of_the_law(place) or "unknown key" + _likely_key(place, value, data, root)
         return Problem(place.key, message, value)
@@ -213,6 +219,18 @@ def translate(
     tell = _MESSAGES.get(kind)
     message = tell(error.get("ctx", {}), place) if tell else error["msg"].lower()
     return Problem(place.key, message, value)
+
+
+def _is_of_second_kind(path: Sequence[str | int], place: Place) -> bool:
+    """Tell whether an error is about a list of words that may be one of numbers as well."""
+    of_words = any(str(step).startswith(f"{LIST}str") for step in path)
+    return of_words and _entries(place.field) == {str, float}
+
+
+def _entries(field: FieldInfo | None) -> set[Any]:
+    """Return the types of the entries that a field's list of any length may have."""
+    kinds = [get_args(kind) for kind in _plain(field and field.annotation)]
+    return {kind[0] for kind in kinds if Ellipsis in kind}
 
 
 def _missing(place: Place) -> Problem:
@@ -294,6 +312,10 @@ def _list_of(place: Place) -> str:
     annotation = place.field.annotation if place.field else None
     if any(_tables(annotation)):
         return f"must be an array of tables, each under its own [[{place.key}]]"
+    entries = _entries(place.field)
+    if str in entries:
+        other = "text in quotes" if str in _plain(annotation) else "a list of numbers"
+        return f"must be {other}, or a list of texts"
     members = {get_args(m) for m in _plain(annotation) if get_origin(m) is tuple}
     counts = [(len(inner), inner[0] is float) for inner in members if Ellipsis not in inner]
     if not counts:
@@ -316,7 +338,9 @@ _MESSAGES: dict[str, _Telling] = {
     "less_than": lambda limit, _: f"must be less than {limit['lt']:g}",
     "less_than_equal": lambda limit, _: f"must be at most {limit['le']:g}",
     "finite_number": lambda *_: "must be a finite number",
-    "float_type": lambda *_: "must be a number",
+    "float_type": lambda _, place: (
+        "must be a number" + (", or all must be text" if str in _entries(place.field) else "")
+    ),
     "int_type": lambda *_: "must be a whole number",
     "bool_type": lambda *_: "must be true or false",
     "string_type": lambda *_: "must be text in quotes",

@@ -4,37 +4,48 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import prod
+from typing import get_args
 
 import numpy as np
 
 from debrisflow.case.fields import Interval
 from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.words import did_you_mean, either
-from debrisflow.run.layers import LAYERS
 from debrisflow.study.correlations import correlation_matrix
-from debrisflow.study.distributions import Choice
+from debrisflow.study.distributions import AnyParameter, Choice
+from debrisflow.study.map_checks import layer_problems, map_problems
+from debrisflow.study.places import overlaps
+from debrisflow.study.quantities import USUAL
 from debrisflow.study.tables import (
     Calibration,
     Figure,
     Grid,
-    LatinHypercube,
     Morris,
     OneAtATime,
     Quantity,
+    RandomDesign,
     Saltelli,
-    SobolSequence,
     Study,
 )
 
 MOST_MEMBERS = 1_000_000  # as of the designs that state their number
-ARRIVAL = "arrival"  # the layer of times
-GIVEN = ("release", "terrain")  # layers that are no results
-RANDOM = ("latin-hypercube", "sobol")  # designs of members drawn from the distributions
+RANDOM = tuple(get_args(one.model_fields["type"].annotation)[0] for one in get_args(RandomDesign))
+COLUMNS = ("number", "folder", "state", "seconds", "member")
+"""Of the tables of the members, beside the parameters and the quantities."""
 
 
 def problems_of(study: Study) -> list[Problem]:
     """Return what is wrong with a study whose fields are right by themselves."""
-    checks = (_parameters, _correlations, _design, _quantities, _maps, _observations, _areas)
+    checks = (
+        _parameters,
+        _columns,
+        _correlations,
+        _design,
+        _quantities,
+        map_problems,
+        _observations,
+        _areas,
+    )
     found = [problem for check in checks for problem in check(study)]
     if study.calibration is not None:
         found += _calibration(study, study.calibration)
@@ -43,12 +54,52 @@ def problems_of(study: Study) -> list[Problem]:
 
 def _parameters(study: Study) -> Problems:
     yield from _twice("parameter", [parameter.name for parameter in study.parameter])
-    owners: dict[str, str] = {}
+    yield from overlaps(study, lambda key: tuple(key.split(".")))
     for k, parameter in enumerate(study.parameter):
-        for key in parameter.keys:
-            owner = owners.setdefault(key, parameter.name)
-            if owner != parameter.name:
-                yield Problem(f"parameter.{k}.key", f"'{owner}' sets it too; leave one out", key)
+        yield from _bounds(f"parameter.{k}", parameter)
+        yield from _choices(f"parameter.{k}", parameter)
+
+
+def _columns(study: Study) -> Problems:
+    """Yield the names that another column of the tables of the members has."""
+    parameters = [parameter.name for parameter in study.parameter]
+    quantities = [quantity.called for quantity in study.quantity]
+    for table, names in (("parameter", parameters), ("quantity", quantities)):
+        for k, name in enumerate(names):
+            if name in COLUMNS:
+                message = "is a column of the table of members; choose another"
+                yield Problem(f"{table}.{k}.name", message, name)
+    for k, name in enumerate(quantities):
+        if name in parameters:
+            first = f"parameter.{parameters.index(name)}"
+            yield Problem(f"quantity.{k}.name", f"is the name of {first} too; choose another", name)
+    for k, name in enumerate(() if quantities else parameters):
+        if name in USUAL:
+            message = "is the name of an answer of each run too; choose another"
+            yield Problem(f"parameter.{k}.name", message, name)
+
+
+def _bounds(key: str, parameter: AnyParameter) -> Problems:
+    """Yield the bounds of a distribution that are not in order."""
+    low, likely, high = (getattr(parameter, name, None) for name in ("low", "likely", "high"))
+    if low is not None and high is not None and low >= high:
+        yield Problem(f"{key}.low", f"must be less than high, {high:g}", low)
+    elif likely is not None and not low <= likely <= high:
+        yield Problem(f"{key}.likely", f"must lie from low to high, {low:g} to {high:g}", likely)
+
+
+def _choices(key: str, parameter: AnyParameter) -> Problems:
+    """Yield what makes a list of values no choice, or one whose values are not equally likely."""
+    if not isinstance(parameter, Choice):
+        return
+    values = parameter.values
+    if len(values) < 2:
+        yield Problem(
+            f"{key}.values", "must be two or more; set a single one for all under [set]", values
+        )
+    for k, value in enumerate(values):
+        if value in values[:k]:
+            yield Problem(f"{key}.values.{k}", "stands in the list before; leave one out", value)
 
 
 def _twice(table: str, names: list[str]) -> Problems:
@@ -62,7 +113,7 @@ def _twice(table: str, names: list[str]) -> Problems:
 def _correlations(study: Study) -> Problems:
     if not study.correlation:
         return
-    if study.design.type not in RANDOM:
+    if not isinstance(study.design, RandomDesign):
         yield Problem(
             "correlation",
             f"the design '{study.design.type}' sets parameters independently of each other; "
@@ -139,37 +190,11 @@ def _quantity(key: str, quantity: Quantity) -> Problems:
     if (quantity.answer is None) == (quantity.layer is None):
         yield Problem(key, "needs either an answer, or a layer and the place at which it is read")
     elif quantity.layer is not None:
-        yield from _layer(f"{key}.layer", quantity.layer)
+        yield from layer_problems(f"{key}.layer", quantity.layer)
         if quantity.at is None:
             yield Problem(f"{key}.at", "missing: place on the map at which the layer is read")
     elif quantity.at is not None:
         yield Problem(f"{key}.at", "has no effect on an answer; leave it out", quantity.at)
-
-
-def _layer(key: str, layer: str) -> Problems:
-    if layer not in LAYERS:
-        yield Problem(key, f"must be {either(LAYERS)}{did_you_mean(layer, LAYERS)}", layer)
-
-
-def _maps(study: Study) -> Problems:
-    for k, wanted in enumerate(study.map):
-        key = f"map.{k}"
-        yield from _layer(f"{key}.layer", wanted.layer)
-        if wanted.layer in GIVEN:
-            message = "is given, not found by a run; choose a layer of the flow"
-            yield Problem(f"{key}.layer", message, wanted.layer)
-        if wanted.exceeds and wanted.layer == ARRIVAL:
-            message = "of the arrival state times with before, up to which the flow arrives"
-            yield Problem(f"{key}.exceeds", message, wanted.exceeds)
-        if wanted.before and wanted.layer != ARRIVAL:
-            message = f"times are of the layer '{ARRIVAL}' only, and this is '{wanted.layer}'"
-            yield Problem(f"{key}.before", message, wanted.before)
-        if not all(0.0 < share < 1.0 for share in wanted.quantiles):
-            yield Problem(
-                f"{key}.quantiles",
-                "must be shares between 0 and 1, both left out",
-                wanted.quantiles,
-            )
 
 
 def _observations(study: Study) -> Problems:
@@ -209,7 +234,7 @@ def _calibration(study: Study, wanted: Calibration) -> Problems:
                 parameter.distribution,
             )
     design = study.design
-    if not isinstance(design, LatinHypercube | SobolSequence):
+    if not isinstance(design, RandomDesign):
         yield Problem("design.type", f"a calibration needs {either(RANDOM)}", design.type)
     elif wanted.runs < design.members:
         yield Problem(

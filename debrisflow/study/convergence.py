@@ -127,7 +127,7 @@ def write_convergence(subsets: Sequence[Subset], path: Path, title: str) -> list
 
     Parameters
     ----------
-    subsets : sequence of Part
+    subsets : sequence of Subset
     path : Path
         Of the table, ``NAME.csv``.
     title : str

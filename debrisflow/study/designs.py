@@ -20,6 +20,7 @@ from debrisflow.study.tables import (
     LatinHypercube,
     Morris,
     OneAtATime,
+    RandomDesign,
     Saltelli,
     Scenarios,
     SobolSequence,
@@ -79,7 +80,7 @@ def is_sample(design: AnyDesign) -> bool:
     >>> is_sample(Morris(type="morris", paths=4)), is_sample(Saltelli(type="saltelli", samples=4))
     (False, True)
     """
-    return isinstance(design, LatinHypercube | SobolSequence | Saltelli)
+    return isinstance(design, RandomDesign | Saltelli)
 
 
 def problem_of(parameters: Sequence[AnyParameter]) -> dict[str, Any]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict
 from scipy import stats
 
 from debrisflow.case.fields import NAME_PATTERN, NONE, Series, Table, quantity
@@ -45,7 +45,7 @@ class Continuous(Parameter):
 
     @property
     def range(self) -> tuple[float, float]:
-        """The values between which 99 in 100 lie; of the bounded ones all."""
+        """The values between which 99 in 100 lie; the bounds of uniform and triangular ones."""
         low, high = self.law.ppf([0.005, 0.995])
         return float(low), float(high)
 
@@ -77,12 +77,6 @@ class Uniform(Continuous):
         """The bounds."""
         return self.low, self.high
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.low >= self.high:
-            raise ValueError("low must be less than high")
-        return self
-
 
 class Normal(Continuous):
     """Values around a mean; within bounds if they are given."""
@@ -99,12 +93,6 @@ class Normal(Continuous):
         low = -np.inf if self.low is None else (self.low - self.mean) / self.deviation
         high = np.inf if self.high is None else (self.high - self.mean) / self.deviation
         return stats.truncnorm(low, high, self.mean, self.deviation)
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.low is not None and self.high is not None and self.low >= self.high:
-            raise ValueError("low must be less than high")
-        return self
 
 
 class LogNormal(Continuous):
@@ -141,19 +129,13 @@ class Triangular(Continuous):
         """The bounds."""
         return self.low, self.high
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if not self.low <= self.likely <= self.high or self.low == self.high:
-            raise ValueError("low, likely and high must increase")
-        return self
-
 
 class Choice(Parameter):
     """One of some values, all equally likely."""
 
     distribution: Literal["values"] = quantity(NONE, "chooses this table")
     values: Series | Annotated[tuple[str, ...], Strict(False)] = quantity(
-        NONE, "the values: numbers, or words", min_length=1
+        NONE, "the values, two or more: numbers, or words", min_length=1
     )
 
     def at(self, share: float) -> Value:

@@ -16,9 +16,9 @@ from debrisflow.run.layer_styles import pseudocolors, style
 from debrisflow.run.layers import ENDINGS, LAYERS
 from debrisflow.study.convergence import FIRST, convergence, write_convergence
 from debrisflow.study.designs import is_sample as of_sample
-from debrisflow.study.map_grid import ARRIVAL
 from debrisflow.study.map_pictures import LIMITS, PROBABILITY, StudyMap, draw_study_maps
 from debrisflow.study.maps import expect_members, known_on, quantiles, shares_arrived, shares_over
+from debrisflow.study.names import ARRIVAL
 from debrisflow.study.tables import Map, Study
 
 

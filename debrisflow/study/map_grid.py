@@ -15,12 +15,13 @@ from debrisflow.case.rasters import MOST_CELLS, MapGrid, Raster
 from debrisflow.case.reference_systems import differ
 from debrisflow.errors import CaseError, OutputError
 from debrisflow.results.layers import read_layer
+from debrisflow.study.names import ARRIVAL
 from debrisflow.study.tables import MapArea
 
 Floats = NDArray[np.float64]
 AMOUNTS = ("peak_depth", "peak_momentum_flux", "deposit", "final_depth", "release")
 """Layers that are amounts over an area: where cells are merged, their means count."""
-ARRIVAL, TERRAIN = "arrival", "terrain"
+TERRAIN = "terrain"
 DIGITS = 9  # of borders, in cells, so that grids that fit each other do so to the last digit
 
 

@@ -23,7 +23,8 @@ from debrisflow.results.maps.sheet import Ground, Text, draw_map, styled
 from debrisflow.results.maps.structures import structures
 from debrisflow.results.words import Words
 from debrisflow.run.layers import WHILE_DEEP
-from debrisflow.study.map_grid import ARRIVAL, layer_on, terrain_on
+from debrisflow.study.map_grid import layer_on, terrain_on
+from debrisflow.study.names import ARRIVAL
 
 Floats = NDArray[np.float64]
 LIMITS = (0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95)

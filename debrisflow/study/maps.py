@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from debrisflow.case.rasters import MapGrid
 from debrisflow.errors import OutputError
-from debrisflow.study.map_grid import ARRIVAL, layer_on, terrain_on
+from debrisflow.study.map_grid import layer_on, terrain_on
+from debrisflow.study.names import ARRIVAL
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -11,3 +11,4 @@ EFFECTS = "effects.csv"
 CALIBRATION = "calibration"
 FINDINGS = "findings.txt"
 REPORT = "report.html"
+ARRIVAL = "arrival"  # the layer of times

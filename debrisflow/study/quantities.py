@@ -10,6 +10,7 @@ from debrisflow.case.words import format_extent
 from debrisflow.errors import OutputError
 from debrisflow.results.layers import read_layer
 from debrisflow.run.layers import LAYERS
+from debrisflow.study.names import ARRIVAL
 from debrisflow.study.outcome import Figure, Outcome
 from debrisflow.study.tables import Quantity, Study
 
@@ -23,7 +24,6 @@ USUAL = (
     "front_farthest",
 )
 """Answers that are shown of each run where a study names no quantities."""
-ARRIVAL = "arrival"
 EARLY = ("_arrival", "_overtopping_time")
 """Ends of the names of answers that are times at which something comes."""
 WITHOUT_ZERO = (ARRIVAL, "terrain")

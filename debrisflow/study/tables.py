@@ -78,6 +78,8 @@ AnyDesign = Annotated[
     Grid | OneAtATime | LatinHypercube | SobolSequence | Morris | Saltelli | Scenarios,
     Field(discriminator="type"),
 ]
+RandomDesign = LatinHypercube | SobolSequence
+"""A design whose members are drawn from the distributions, each independently of the others."""
 
 
 class Quantity(Table):
@@ -189,7 +191,12 @@ class Study(Table):
     title: str = field(NONE, "one line")
     notes: str = field(NONE, "what a reader must know", "")
     case: str = field(NONE, "case file that all members start from, beside the study")
-    set: dict[str, Any] = field(NONE, "changes to the case for all members, by its keys", {})
+    set: dict[str, Any] = field(
+        NONE,
+        "changes to the case for all members, by its keys; what a parameter sets too is its start, "
+        "which the parameter multiplies or replaces",
+        {},
+    )
     parameter: Annotated[tuple[AnyParameter, ...], Strict(False)] = field(
         NONE, "what differs between members", min_length=1
     )

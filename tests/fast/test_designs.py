@@ -271,6 +271,35 @@ RUNOUT = {"name": "runout", "answer": "runout_length"}
             "parameter.1.key = \"a\": 'volume' sets it too; leave one out",
         ),
         (
+            {"parameter": [UNIFORM, NORMAL | {"key": "a.b"}]},
+            "parameter.1.key = \"a.b\": is a part of a, which 'volume' sets; leave one out",
+        ),
+        (
+            {"parameter": [UNIFORM | {"key": ["a.b", "c", "c"]}]},
+            "parameter.0.key = \"c\": 'volume' sets it too; leave one out",
+        ),
+        (
+            {"parameter": [UNIFORM | {"low": 400.0}]},
+            "parameter.0.low = 400.0: must be less than high, 300",
+        ),
+        (
+            {"parameter": [NORMAL | {"low": 2.0, "high": 2.0}]},
+            "parameter.0.low = 2.0: must be less than high, 2",
+        ),
+        (
+            {"parameter": [TRIANGULAR | {"likely": -0.5}]},
+            "parameter.0.likely = -0.5: must lie from low to high, 0 to 0.9",
+        ),
+        (
+            {"parameter": [UNIFORM, WORDS | {"values": ["a.asc"]}]},
+            'parameter.1.values = ["a.asc"]: must be two or more; set a single one for all under '
+            "[set]",
+        ),
+        (
+            {"parameter": [UNIFORM, WORDS | {"values": [0.5, 1.0, 0.5]}]},
+            "parameter.1.values.2 = 0.5: stands in the list before; leave one out",
+        ),
+        (
             {"correlation": [together("volume", "frction", 0.5)]},
             "correlation.0.parameters: no parameter is named 'frction'; did you mean 'friction'?",
         ),
@@ -354,6 +383,49 @@ RUNOUT = {"name": "runout", "answer": "runout_length"}
         (
             {"map": [{"layer": "peak_depth", "quantiles": [0.5, 1.0]}]},
             "map.0.quantiles = [0.5, 1.0]: must be shares between 0 and 1, both left out",
+        ),
+        (
+            {"map": [{"layer": "peak_depth"}]},
+            "map.0: asks for nothing; give exceeds or quantiles, or leave it out",
+        ),
+        (
+            {"map": [{"layer": "arrival", "before": [-1.0]}]},
+            "map.0.before.0 = -1.0: must be at least 0",
+        ),
+        (
+            {"map": [{"layer": "peak_depth", "exceeds": [-0.5, 0.5]}]},
+            "map.0.exceeds.0 = -0.5: must be at least 0",
+        ),
+        (
+            {"map": [{"layer": "peak_depth", "exceeds": [0.5, 1.0, 0.5]}]},
+            "map.0.exceeds.2 = 0.5: the list has it before; leave one out",
+        ),
+        (
+            {
+                "map": [
+                    {"layer": "peak_depth", "exceeds": [0.5], "quantiles": [0.5]},
+                    {"layer": "peak_speed", "exceeds": [0.5]},
+                    {"layer": "peak_depth", "exceeds": [1.0, 0.5000001]},
+                ]
+            },
+            "map.2.exceeds.1 = 0.5000001: map.0 asks for it before; leave one out",
+        ),
+        (
+            {"parameter": [UNIFORM | {"name": "state"}]},
+            'parameter.0.name = "state": is a column of the table of members; choose another',
+        ),
+        (
+            {"quantity": [RUNOUT | {"name": "member"}]},
+            'quantity.0.name = "member": is a column of the table of members; choose another',
+        ),
+        (
+            {"quantity": [RUNOUT, RUNOUT | {"name": "ratio"}]},
+            'quantity.1.name = "ratio": is the name of parameter.3 too; choose another',
+        ),
+        (
+            {"parameter": [UNIFORM | {"name": "runout_length"}]},
+            'parameter.0.name = "runout_length": is the name of an answer of each run too; choose '
+            "another",
         ),
         (
             {"observation": [FIGURE | {"quantity": "runnout"}], "quantity": [RUNOUT]},
