@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from debrisflow.errors import shown
 from debrisflow.run.atomic import made
 from debrisflow.run.tables import Row, write_table
+from debrisflow.study.distributions import Value
 from debrisflow.study.names import CALIBRATION, EFFECTS, MAPS, SENSITIVITY, TABLE
 from debrisflow.study.report import study_report
 from debrisflow.study.results import Results
@@ -85,7 +87,11 @@ def write_members(results: Results, path: Path) -> Path:
     """Write a table of the members: values of the parameters, state, quantities."""
     names = [one.name for one in results.study.parameter]
     units = results.units
-    head = [*HEAD, *(f"{name}: {unit}" for name, unit in units.items() if unit not in ("", "-"))]
+    with_unit = {name: unit for name, unit in units.items() if unit not in ("", "-")}
+    head = [
+        *HEAD,
+        *(" ".join(shown(f"{name}: {unit}").split()) for name, unit in with_unit.items()),
+    ]
     columns = ["number", "folder", *names, "state", "seconds", *units]
     write_table(path, columns, head, _rows(results, names))
     return path
@@ -97,8 +103,13 @@ def _rows(results: Results, names: list[str]) -> Iterator[Row]:
         yield [
             str(member.number),
             member.folder.name,
-            *(member.values[name] for name in names),
+            *(_plain(member.values[name]) for name in names),
             outcome.state,
             outcome.seconds,
             *(figures[name].value if name in figures else "" for name in results.units),
         ]
+
+
+def _plain(value: Value) -> Value:
+    """Return a value of a parameter, fit for a terminal that shows the table."""
+    return shown(value) if isinstance(value, str) else value
