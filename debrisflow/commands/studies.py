@@ -89,12 +89,14 @@ def run(
 
     bar = nullcontext(_print_member) if as_json else Bar(len(asked.members), quiet)
     with asked.workers(workers, threads, scheduler) as client, asked.open(), bar as told:
-        results = asked.results(client, threads, told)
-        written = analyze(asked, results, client, threads, told)
+        found = analyze(asked, asked.results(client, threads, told), client, threads, told)
+    results, written = found.results, found.files
     counts = Counter(outcome.state for outcome in results.outcomes)
+    for message in found.warnings:
+        click.echo(f"warning: {shown(message)}", err=True)
     if as_json:
-        files = [str(file) for file in written]
-        print_json({"event": RESULT, "folder": str(asked.folder), "files": files} | counts)
+        result = {"event": RESULT, "folder": str(asked.folder), "warnings": found.warnings}
+        print_json(result | {"files": [str(file) for file in written]} | counts)
     elif not quiet:
         print_files(written)
         for file in written:
@@ -102,11 +104,15 @@ def run(
                 click.echo(shown(file.read_text(encoding="utf-8").rstrip()))
         parts = ", ".join(f"{count} {state}" for state, count in counts.items())
         click.echo(f"{len(results.members)} members: {parts}; results in {asked.folder}")
+    errors = found.errors
     if counts[STOPPED]:
-        raise OutputError(
+        stopped = OutputError(
             f"{counts[STOPPED]} members could not be computed; once the cause is removed, the same "
             "command goes on with them"
         )
+        errors = [stopped, *errors]
+    if errors:
+        raise type(errors[0])("\n".join(map(str, errors)))
 
 
 def _tell_plan(asked: Sweep, workers: int | None, threads: int, as_json: bool) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 MEMBERS = "members"
 PLAN = "study.json"
+WRITTEN = "written.json"
 TABLE = "members.csv"
 MAPS = "maps"
 SENSITIVITY = "sensitivity"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from math import isfinite
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, NonNegativeFloat, ValidationError
 
@@ -13,9 +14,9 @@ from debrisflow.run.atomic import made, replaced
 from debrisflow.run.reading import text_of
 
 FILE = "member.json"
-FINISHED, FAILED, STOPPED = "finished", "failed", "stopped"
+FINISHED, FAILED, STOPPED, DAMAGED = "finished", "failed", "stopped", "damaged"
 """States: all results are there; its case or flow cannot be computed; something else stopped it,
-as a full disk, so that it is tried again."""
+as a full disk, so that it is tried again; what it left cannot be read any more."""
 
 
 class Figure(NamedTuple):
@@ -31,7 +32,7 @@ class Outcome(NamedTuple):
     Attributes
     ----------
     state : str
-        ``FINISHED``, ``FAILED`` or ``STOPPED``.
+        ``FINISHED``, ``FAILED``, ``STOPPED`` or ``DAMAGED``.
     message : str
         Why it did not finish.
     answers : dict of Figure by name
@@ -54,9 +55,9 @@ class Outcome(NamedTuple):
 class _File(BaseModel):
     """What the file holds."""
 
-    model_config = ConfigDict(strict=True, extra="forbid")
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
-    state: str
+    state: Literal["finished", "failed"]
     message: str
     answers: dict[str, tuple[float | None, str]]
     seconds: NonNegativeFloat
@@ -71,7 +72,7 @@ def write_outcome(folder: Path, outcome: Outcome) -> None:
         If it cannot be written.
     """
     answers = {
-        name: (None if one.value != one.value else one.value, one.unit)
+        name: (one.value if isfinite(one.value) else None, one.unit)
         for name, one in outcome.answers.items()
     }
     content = outcome._asdict() | {"answers": answers}
@@ -93,7 +94,9 @@ def read_outcome(folder: Path) -> Outcome | None:
     try:
         found = _File.model_validate_json(text_of(file))
     except (ValidationError, ValueError) as error:
-        raise OutputError(f"{file} is damaged; delete it, and it is written anew") from error
+        raise OutputError(
+            f"{file} is damaged; delete this file and start the sweep again, which writes it anew"
+        ) from error
     answers = {
         name: Figure(float("nan") if value is None else value, unit)
         for name, (value, unit) in found.answers.items()

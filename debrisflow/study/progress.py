@@ -35,7 +35,7 @@ class Bar:
         if outcome.state != FINISHED:
             self._without += 1
             text = f"member {member.number} ({shown_values(member.values)}) {outcome.state}: "
-            tqdm.write(text + shown(outcome.message), file=sys.stderr)
+            tqdm.write(shown(text + outcome.message), file=sys.stderr)
         self._bar.total = max(self._bar.total, self._bar.n + 1)
         self._bar.update()
         self._bar.set_description_str(self._text(), refresh=False)

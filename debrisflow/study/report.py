@@ -82,7 +82,9 @@ class Marked(NamedTuple):
     middle_value: float | None
 
 
-def study_report(results: Results, folder: Path, written: Sequence[Path]) -> Path:
+def study_report(
+    results: Results, folder: Path, written: Sequence[Path], warnings: Sequence[str] = ()
+) -> Path:
     """Write ``report.html`` of a study into its folder, and return it.
 
     Parameters
@@ -94,6 +96,8 @@ def study_report(results: Results, folder: Path, written: Sequence[Path]) -> Pat
     written : sequence of Path
         What analyses have written into its folders ``sensitivity``, ``maps`` and ``calibration``;
         other files in these may be those of a former study and are not on the page.
+    warnings : sequence of str, optional
+        What is missing, and why.
 
     Raises
     ------
@@ -105,7 +109,7 @@ def study_report(results: Results, folder: Path, written: Sequence[Path]) -> Pat
     write_html(
         path,
         "study.html",
-        contents | _origin(results),
+        contents | _origin(results) | {"warnings": warnings},
         package=PACKAGE,
         style="study.css",
     )

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, NonNegativeInt, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, ValidationError
 
 from debrisflow.errors import OutputError, shown
 from debrisflow.run.duration import duration
@@ -17,18 +17,19 @@ from debrisflow.run.folder_status import status_of
 from debrisflow.run.reading import text_of
 from debrisflow.study.member import shown_values
 from debrisflow.study.names import PLAN
-from debrisflow.study.outcome import FAILED, FINISHED, read_outcome
+from debrisflow.study.outcome import DAMAGED, FAILED, FINISHED, read_outcome
 
 RUNNING, INTERRUPTED, WAITING = "running", "interrupted", "waiting"
-STATES = (FINISHED, FAILED, RUNNING, INTERRUPTED, WAITING)
-MOST_SHOWN = 20  # members that failed or run, in lines
+STATES = (FINISHED, FAILED, DAMAGED, RUNNING, INTERRUPTED, WAITING)
+SHOWN = (FAILED, DAMAGED, RUNNING, INTERRUPTED)
+MOST_SHOWN = 20  # members, in lines
 
 
 class _Entry(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
     number: NonNegativeInt
-    folder: str
+    folder: str = Field(pattern=r"^[0-9a-f]{16}$")
     values: dict[str, float | str]
 
 
@@ -50,15 +51,16 @@ def sweep_status(folder: Path) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``title``, ``folder``, ``members``: how many in all; ``finished``, ``failed``, ``running``,
-        ``interrupted``, ``waiting``: how many of them; ``seconds``: mean wall time of those that
-        are over, and ``seconds_left``, None where there is none; ``shown``: those that failed or
-        run, dicts of ``number``, ``folder``, ``values``, ``state``, ``message``.
+        ``title``, ``folder``, ``members``: how many in all; ``finished``, ``failed``, ``damaged``,
+        ``running``, ``interrupted``, ``waiting``: how many of them; ``seconds``: mean wall time of
+        those that are over, and ``seconds_left``, None where there is none; ``shown``: those that
+        failed, run or are damaged, dicts of ``number``, ``folder``, ``values``, ``state``,
+        ``message``.
 
     Raises
     ------
     OutputError
-        If the folder is none of a sweep, or a file in it is damaged.
+        If the folder is none of a sweep, or its list of members is damaged.
     """
     plan = _plan_of(folder)
     counts: Counter[str] = Counter()
@@ -66,18 +68,14 @@ def sweep_status(folder: Path) -> dict[str, Any]:
     seen: dict[str, tuple[str, str]] = {}
     for entry in plan.members:
         if entry.folder not in seen:
-            run = Path(plan.store) / entry.folder
-            outcome = read_outcome(run)
-            if outcome is not None:
-                seconds.append(outcome.seconds)
-                seen[entry.folder] = outcome.state, outcome.message
-            else:
-                state, message, share = _unfinished(run)
-                seen[entry.folder] = state, message
-                done += share
+            state, message, share, took = _of_member(folder / plan.store / entry.folder)
+            seen[entry.folder] = state, message
+            done += share
+            if took is not None:
+                seconds.append(took)
         state, message = seen[entry.folder]
         counts[state] += 1
-        if state in (FAILED, RUNNING, INTERRUPTED):
+        if state in SHOWN:
             known = {"number": entry.number, "folder": entry.folder, "values": entry.values}
             shown_ones.append(known | {"state": state, "message": message})
     mean = sum(seconds) / len(seconds) if seconds else None
@@ -119,6 +117,17 @@ def _plan_of(folder: Path) -> _Plan:
         return _Plan.model_validate(json.loads(text_of(file)))
     except (ValidationError, ValueError, RecursionError) as error:
         raise OutputError(f"{file} is damaged; start the sweep again, which writes it") from error
+
+
+def _of_member(run: Path) -> tuple[str, str, float, float | None]:
+    """Return the state of a member, a message, the share of a run that is done, and its seconds."""
+    try:
+        outcome = read_outcome(run)
+        if outcome is None:
+            return *_unfinished(run), None
+    except OutputError as error:
+        return DAMAGED, str(error), 0.0, None
+    return outcome.state, outcome.message, 0.0, outcome.seconds
 
 
 def _unfinished(run: Path) -> tuple[str, str, float]:

@@ -216,9 +216,11 @@ class Sweep:
 
     def _write_plan(self) -> None:
         """Write which members there are, for whoever looks into the folder."""
+        store, own = self.store.absolute(), self.folder.absolute()
+        is_inside = store.is_relative_to(own)  # then the folder may be moved
         plan: dict[str, Any] = {
             "title": self.study.title,
-            "store": str(self.store.absolute()),
+            "store": store.relative_to(own).as_posix() if is_inside else str(store),
             "members": [
                 {"number": one.number, "folder": one.folder.name, "values": one.values}
                 for one in (*self.members, *self._further)
