@@ -16,6 +16,7 @@ from debrisflow.case.loading import tables_of_file
 from debrisflow.case.overrides import apply_overrides
 from debrisflow.errors import CaseError
 from debrisflow.study.distributions import AnyParameter, Value, Values
+from debrisflow.study.places import expect_apart
 from debrisflow.study.tables import Study
 
 DIGITS = 16  # of the digest in the name of a folder
@@ -71,6 +72,7 @@ class Cases:
         self._given = tables_of_file(self._path)
         apply_overrides(self._given, self._changes)
         self._complete = tomllib.loads(dump_case(self.base))
+        expect_apart(study, self._complete)
 
     def at(self, values: Values) -> ResolvedCase:
         """Return the case with the given values of the parameters.
