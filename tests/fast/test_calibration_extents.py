@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,10 @@ from debrisflow.errors import CaseError
 from debrisflow.study.calibration.extent_map import write_extent_maps
 from debrisflow.study.calibration.observations import Evaluated, residuals_of
 from debrisflow.study.calibration.predictive import scores, skill
-from debrisflow.study.tables import Study
+from debrisflow.study.calibration.procedure import calibrate
+from debrisflow.study.designs import points_of
+from debrisflow.study.distributions import Values
+from debrisflow.study.tables import Calibration, Study
 
 GRID = MapGrid(0.0, 0.0, 10.0, 4, 2)
 OBSERVED = [[1.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
@@ -127,3 +131,32 @@ def test_score_of_a_few_runs_is_on_average_that_of_many(tmp_path: Path) -> None:
     (row,) = scores(study_of(tmp_path), {"design": folders})
     # of 20,000 cells: standard error 0.002 a cell, 0.007 over the observed share
     assert row.brier * observed.mean() == pytest.approx(0.3 * 0.7, abs=0.006)
+
+
+def test_reach_is_fitted_to_an_extent_and_predicts_what_was_held_out(tmp_path: Path) -> None:
+    grid = MapGrid(0.0, 0.0, 1.0, 100, 2)
+    column = np.arange(100) + 0.5 + np.zeros((2, 1))
+    observed = (column < 60.0).astype(float)
+    observed[1, :50] = 0.0  # two arms, the lower one seen only in its last part
+    write_raster(tmp_path / "change.asc", Raster(grid, observed))
+
+    def evaluate(points: Sequence[Values]) -> list[Evaluated]:
+        runs = []
+        for point in points:
+            folder = tmp_path / f"{point['mu']:.12f}"
+            (folder / "layers").mkdir(parents=True, exist_ok=True)
+            depth = (column < 100.0 * (1.0 - float(point["mu"]))).astype(float)
+            for name, values in (("terrain", np.ones(grid.shape)), ("peak_depth", depth)):
+                write_raster(folder / "layers" / f"{name}.asc", Raster(grid, values))
+            runs.append(Evaluated(folder, {}))
+        return runs
+
+    study = study_of(tmp_path, {"y": [0.0, 1.0]})
+    wanted = {"runs": 14, "predictive": 4, "held_out": {"y": (0.0, 1.0)}}
+    study = study.model_copy(update={"calibration": Calibration.model_validate(wanted)})
+    found = calibrate(study, points_of(study), evaluate, tmp_path / "calibration")
+    low, _, high = found.marginals[0].posterior
+    assert low < 0.4 < high
+    assert found.marginals[0].verdict != "not identified"
+    assert {"extents.csv", "extent.png"} < {file.name for file in found.files}
+    assert any("Brier skill of the 4 fitted runs over the 8" in note for note in found.notes)

@@ -34,6 +34,7 @@ from debrisflow.study.tables import Calibration, Study
 
 Floats = NDArray[np.float64]
 DESIGN, IMPROVEMENT, PREDICTIVE = "design", "improvement", "predictive"
+MANY = 30  # runs, from which a Brier score is known well enough
 RELIABLE = 0.5  # Q2, below which an emulator tells little
 
 
@@ -293,12 +294,13 @@ def _of_emulator(found: CalibrationResult) -> list[str]:
 
 
 def _of_prediction(found: CalibrationResult) -> list[str]:
+    count, before = len(found.folders(PREDICTIVE)), len(found.folders(DESIGN))
+    doubt = "" if min(count, before) >= MANY else "; of so few runs it is uncertain"
     told = []
     for (extent, part), value in skill(found.scores, PREDICTIVE, DESIGN).items():
         where = "that was held out" if part == "held out" else "that was used"
-        verdict = "better" if value > 0.0 else "no better"
         told.append(
-            f"In the part of {extent} {where} the fitted runs predict {verdict} than those of the "
-            f"design: Brier skill {value:.2f}."
+            f"In the part of {extent} {where} the Brier skill of the {count} fitted runs over the "
+            f"{before} of the design is {value:.2f}, where 1 is perfect and 0 no better{doubt}."
         )
     return told
