@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
@@ -48,7 +50,7 @@ def _words_of_posterior(found: CalibrationResult) -> tuple[str, list[str]]:
     return (
         "Parameters after the observations",
         [
-            "Diagonal: density before (dashed) and after (filled), lines at 5, 50 and 95 %. Below: "
+            "Diagonal: shares before (dashed) and after (filled), lines at 5, 50 and 95 %. Below: "
             "areas that hold 50 and 90 % of the posterior, the runs it rests on, the best of "
             f"them (cross). {found.posterior.effective:.0f} independent samples."
         ],
@@ -80,14 +82,15 @@ def _words_of_emulator(found: CalibrationResult) -> tuple[str, list[str]]:
 def _posterior(found: CalibrationResult) -> Figure:
     space, count = found.space, len(found.space.names)
     sample = space.values(shares_of(found.posterior.scores))
-    best = found.runs[found.best].values
+    best = np.array([found.runs[found.best].values[name] for name in space.names], dtype=float)
     rests_on = [
         [run.values[name] for name in space.names]
         for run, misfit in zip(found.runs, found.misfits, strict=True)
         if run.kind != "predictive" and np.isfinite(misfit)
     ]
     runs = np.array(rests_on, dtype=float)
-    limits = [tuple(law.ppf([0.005, 0.995])) for law in space.laws]
+    pairs = zip(space.laws, space.is_logarithmic, strict=True)
+    edges = [_edges(law, has_log) for law, has_log in pairs]
     side = min(WIDTH, 1.5 + 2.0 * count, TALLEST)
     figure = Figure(figsize=(WIDTH, side), layout="constrained")
     axes = figure.subplots(count, count, squeeze=False)
@@ -96,41 +99,51 @@ def _posterior(found: CalibrationResult) -> Figure:
         if j > i:
             here.set_axis_off()
             continue
-        here.set_xlim(limits[j])
-        here.xaxis.set_major_locator(MaxNLocator(4))
         if i == j:
-            _density(here, sample[:, i], space.laws[i], limits[i])
+            _shares(here, sample[:, i], space.laws[i], edges[i])
         else:
-            _areas(here, sample[:, [j, i]], limits[j], limits[i])
+            _areas(here, sample[:, [j, i]], edges[j], edges[i])
             here.plot(runs[:, j], runs[:, i], ".", color=GRAY, markersize=3)
-            place = [float(best[space.names[k]]) for k in (j, i)]
-            here.plot(*place, "x", color=RED, markersize=7, markeredgewidth=1.5)
-            here.set_ylim(limits[i])
-        if i == count - 1:
-            here.set_xlabel(space.names[j])
-        else:
-            here.set_xticklabels([])
-        if j == 0 and i > 0:
-            here.set_ylabel(space.names[i])
-        elif j > 0:
-            here.set_yticklabels([])
+            here.plot(best[j], best[i], "x", color=RED, markersize=7, markeredgewidth=1.5)
+            _scale(here.yaxis, here.set_yscale, space.is_logarithmic[i])
+            here.set_ylim(edges[i][0], edges[i][-1])
+        _scale(here.xaxis, here.set_xscale, space.is_logarithmic[j])
+        here.set_xlim(edges[j][0], edges[j][-1])
+        here.tick_params(which="both", labelbottom=i == count - 1, labelleft=j == 0 and i > 0)
+        here.set_xlabel(space.names[j] if i == count - 1 else "")
+        here.set_ylabel(space.names[i] if j == 0 and i > 0 else "")
     return figure
 
 
-def _density(axes: Axes, sample: Floats, law: Any, limits: tuple[float, float]) -> None:
-    axes.hist(sample, BINS, range=limits, density=True, color=BLUE, alpha=0.5)
-    place = np.linspace(*limits, 200)
-    axes.plot(place, law.pdf(place), "--", color=GRAY)
+def _edges(law: Any, has_log: bool) -> Floats:
+    """Return the edges of bins over all but 1 % of the prior."""
+    low, high = law.ppf([0.005, 0.995])
+    return np.asarray((np.geomspace if has_log else np.linspace)(low, high, BINS + 1))
+
+
+def _scale(axis: Axis, set_scale: Callable[[str], None], has_log: bool) -> None:
+    if has_log:
+        set_scale("log")
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    else:
+        axis.set_major_locator(MaxNLocator(4))
+
+
+def _shares(axes: Axes, sample: Floats, law: Any, edges: Floats) -> None:
+    """Draw which share of the sample, and of the prior, is in each bin."""
+    counts, _ = np.histogram(sample, edges)
+    axes.stairs(counts / len(sample), edges, fill=True, color=BLUE, alpha=0.5)
+    axes.stairs(np.diff(law.cdf(edges)), edges, color=GRAY, linestyle="--")
     for value in np.quantile(sample, (0.05, 0.5, 0.95)):
         axes.axvline(value, color=BLUE, linewidth=0.8)
     axes.set_yticks([])
 
 
-def _areas(axes: Axes, sample: Floats, x: tuple[float, float], y: tuple[float, float]) -> None:
+def _areas(axes: Axes, sample: Floats, x_edges: Floats, y_edges: Floats) -> None:
     """Fill the smallest areas that hold a share of the sample."""
     from scipy.ndimage import gaussian_filter
 
-    counts, x_edges, y_edges = np.histogram2d(sample[:, 0], sample[:, 1], BINS, [x, y])
+    counts, *_ = np.histogram2d(sample[:, 0], sample[:, 1], [x_edges, y_edges])
     smooth = gaussian_filter(counts, 1.0)
     ordered = np.sort(smooth.ravel())[::-1]
     within = np.cumsum(ordered) / ordered.sum()
