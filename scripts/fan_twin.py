@@ -19,10 +19,11 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter
 from debrisflow.case.vectors import write_polygons
 from debrisflow.results.layers import read_layer
 from debrisflow.run.layers import polygons_of
+from debrisflow.run.loop import program
 from debrisflow.study.computing import compute
 from debrisflow.study.distributions import Values
 from debrisflow.study.loading import load_study
-from debrisflow.study.member import Cases
+from debrisflow.study.member import Cases, members_of
 from debrisflow.study.quantities import quantities_of
 from debrisflow.study.tables import Figure, Study
 
@@ -33,8 +34,10 @@ SHIFT, ALONG = 2.0, 15.0  # m, of the border, and over which it keeps
 
 
 def observe(study: Study, truth: Values, folder: Path, extent: Path, seed: int) -> dict[str, float]:
-    """Compute a run into a folder, write its disturbed extent and return its disturbed figures."""
-    outcome = compute(Cases(study).at(truth), folder, 1)
+    """Compute a run in a folder, write its disturbed extent and return its disturbed figures."""
+    (member,) = members_of(Cases(study), folder, [truth], program())
+    folder = member.folder
+    outcome = compute(member.case, folder, member.digest, program())
     random = np.random.default_rng(seed)
     depth = read_layer(folder, "peak_depth")
     reached, cell = np.isfinite(depth.values), depth.grid.cell
@@ -55,7 +58,7 @@ def main() -> None:
     study = load_study(STUDIES / "fan_twin.toml")
     with TemporaryDirectory() as folder:
         extent = STUDIES / "data" / "fan_twin_extent.geojson"
-        for name, value in observe(study, TRUTH, Path(folder) / "run", extent, SEED).items():
+        for name, value in observe(study, TRUTH, Path(folder), extent, SEED).items():
             print(f"{name} = {value:.4g}")
 
 

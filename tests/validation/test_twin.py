@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from debrisflow.run.loop import program
 from debrisflow.study.calibration.observations import Evaluated
 from debrisflow.study.calibration.procedure import calibrate
 from debrisflow.study.computing import compute
 from debrisflow.study.designs import points_of
 from debrisflow.study.distributions import Values
 from debrisflow.study.loading import load_study
-from debrisflow.study.member import Cases
+from debrisflow.study.member import Cases, members_of
 from debrisflow.study.outcome import FINISHED
 from debrisflow.study.quantities import quantities_of
 
@@ -30,14 +31,14 @@ def test_friction_and_pore_pressure_of_a_twin_are_within_their_intervals(tmp_pat
 
     def evaluate(points: Sequence[Values]) -> list[Evaluated]:
         nonlocal count
+        count += len(points)
         results = []
-        for point in points:
-            folder = tmp_path / f"{count}"
-            count += 1
-            outcome = compute(cases.at(point), folder, 1)
-            assert outcome.state == FINISHED
-            figures = quantities_of(study, folder, outcome)
-            results.append(Evaluated(folder, {name: one.value for name, one in figures.items()}))
+        for one in members_of(cases, tmp_path / "members", points, program()):
+            outcome = compute(one.case, one.folder, one.digest, program())
+            assert outcome.state == FINISHED, outcome.message
+            figures = quantities_of(study, one.folder, outcome)
+            values = {name: figure.value for name, figure in figures.items()}
+            results.append(Evaluated(one.folder, values))
         return results
 
     found = calibrate(study, points_of(study), evaluate, tmp_path / "calibration")
