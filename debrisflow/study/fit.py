@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from debrisflow.errors import OutputError
 from debrisflow.run.atomic import replaced
 from debrisflow.study.calibration.observations import Evaluate, Evaluated
-from debrisflow.study.calibration.procedure import PREDICTIVE, CalibrationResult, calibrate
+from debrisflow.study.calibration.procedure import calibrate
+from debrisflow.study.calibration.result import PREDICTIVE, CalibrationResult
 from debrisflow.study.distributions import Values
 from debrisflow.study.map_files import write_maps
 from debrisflow.study.map_grid import grid_of

@@ -20,7 +20,8 @@ from debrisflow.study.calibration.observations import Evaluated, misfits, residu
 from debrisflow.study.calibration.parameter_space import ParameterSpace, scores_of, shares_of
 from debrisflow.study.calibration.posterior import Posterior, sampled
 from debrisflow.study.calibration.predictive import drawn
-from debrisflow.study.calibration.procedure import CalibrationResult, calibrate
+from debrisflow.study.calibration.procedure import calibrate
+from debrisflow.study.calibration.result import CalibrationResult
 from debrisflow.study.designs import points_of
 from debrisflow.study.distributions import Values
 from debrisflow.study.loading import load_study

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 from debrisflow.results.plots.style import BLUE, GRAY, GREEN, ORANGE, RED, WIDTH, save, styled
 from debrisflow.run.atomic import made
 from debrisflow.study.calibration.parameter_space import shares_of
-
-if TYPE_CHECKING:
-    from debrisflow.study.calibration.procedure import CalibrationResult
+from debrisflow.study.calibration.result import CalibrationResult
 
 Floats = NDArray[np.float64]
 BINS = 40

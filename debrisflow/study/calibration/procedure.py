@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.errors import CaseError
-from debrisflow.study.calibration.emulator import Emulator, LeaveOneOut
+from debrisflow.study.calibration.emulator import Emulator
 from debrisflow.study.calibration.identifiability import (
-    Coupled,
-    Marginal,
     coupled,
     marginals,
     sentences,
@@ -21,97 +18,27 @@ from debrisflow.study.calibration.identifiability import (
 from debrisflow.study.calibration.improvement import NEGLIGIBLE, proposed
 from debrisflow.study.calibration.observations import (
     Evaluate,
-    Evaluated,
-    misfits,
     residual_names,
     residuals_of,
 )
 from debrisflow.study.calibration.parameter_space import ParameterSpace
-from debrisflow.study.calibration.posterior import Posterior, sampled
-from debrisflow.study.calibration.predictive import Score, drawn, scores, skill
+from debrisflow.study.calibration.plots import write_plots
+from debrisflow.study.calibration.posterior import sampled
+from debrisflow.study.calibration.predictive import drawn, scores, skill
+from debrisflow.study.calibration.result import (
+    DESIGN,
+    IMPROVEMENT,
+    PREDICTIVE,
+    CalibrationResult,
+    Run,
+)
+from debrisflow.study.calibration.result_tables import write_tables
 from debrisflow.study.distributions import Values
 from debrisflow.study.tables import Calibration, Study
 
 Floats = NDArray[np.float64]
-DESIGN, IMPROVEMENT, PREDICTIVE = "design", "improvement", "predictive"
 MANY = 30  # runs, from which a Brier score is known well enough
 RELIABLE = 0.5  # Q2, below which an emulator tells little
-
-
-class Run(NamedTuple):
-    """A run of a calibration.
-
-    Attributes
-    ----------
-    kind : str
-        ``design``, ``improvement`` or ``predictive``.
-    values : dict
-        Of the parameters, by name.
-    evaluated : Evaluated
-    """
-
-    kind: str
-    values: Values
-    evaluated: Evaluated
-
-
-class CalibrationResult(NamedTuple):
-    """What a calibration found.
-
-    Attributes
-    ----------
-    space : ParameterSpace
-    runs : list of Run
-        In the order in which they were computed.
-    residuals : (runs, residuals) float64 array
-        nan of failed runs.
-    residual_names : list of str
-    left_out : LeaveOneOut
-        Error of the emulator.
-    at_posterior : (residuals,) float64 array
-        Root mean square of its error at the predictive runs, in errors of the observation; nan if
-        there are none.
-    posterior : Posterior
-    marginals : list of Marginal
-    coupled : list of Coupled
-    scores : list of Score
-        Of the observed extents.
-    notes : list of str
-        Sentences for people: what is known, how well it is founded, what to doubt.
-    files : list of Path
-    """
-
-    space: ParameterSpace
-    runs: list[Run]
-    residuals: Floats
-    residual_names: list[str]
-    left_out: LeaveOneOut
-    at_posterior: Floats
-    posterior: Posterior
-    marginals: list[Marginal]
-    coupled: list[Coupled]
-    scores: list[Score]
-    notes: list[str]
-    files: list[Path]
-
-    @property
-    def misfits(self) -> Floats:
-        """Sum of the squares of the residuals of each run, (runs,); nan of failed ones."""
-        return misfits(self.residuals)
-
-    @property
-    def best(self) -> int:
-        """Number of the run of least misfit, among those computed to find it."""
-        is_chosen = np.array([run.kind != PREDICTIVE for run in self.runs])
-        return int(np.nanargmin(np.where(is_chosen, self.misfits, np.nan)))
-
-    def folders(self, kind: str) -> list[Path]:
-        """Return the folders of the finished runs of a kind."""
-        return [
-            run.evaluated.folder
-            for run in self.runs
-            if run.kind == kind and run.evaluated.folder is not None
-        ]
 
 
 def calibrate(
@@ -141,8 +68,6 @@ def calibrate(
         If the folder cannot be written.
     """
     from debrisflow.study.calibration.extent_map import write_extent_maps
-    from debrisflow.study.calibration.plots import write_plots
-    from debrisflow.study.calibration.result_tables import write_tables
 
     wanted = study.calibration
     assert wanted is not None, "the check of a study sees to it"

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from debrisflow.run.atomic import made
 from debrisflow.run.tables import Row, write_table
 from debrisflow.study.calibration.parameter_space import shares_of
 from debrisflow.study.calibration.predictive import Score
-
-if TYPE_CHECKING:
-    from debrisflow.study.calibration.procedure import CalibrationResult
+from debrisflow.study.calibration.result import CalibrationResult
 
 MOST_SAMPLES = 4000  # rows of the posterior that are written
 RUNS = ("runs of the calibration; residuals: (computed - observed) / error, nan of failed runs",)
