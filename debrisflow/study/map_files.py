@@ -21,6 +21,8 @@ from debrisflow.study.maps import expect_members, known_on, quantiles, shares_ar
 from debrisflow.study.names import ARRIVAL
 from debrisflow.study.tables import Map, Study
 
+HAIR = 1e-7  # of a share
+
 
 def write_maps(
     study: Study,
@@ -130,10 +132,14 @@ def _write(one: StudyMap, grid: MapGrid, tags: dict[str, str], folder: Path) -> 
 
 
 def _share_style() -> str:
-    """Return the style of shares of the members, whose zeros are not shown."""
+    """Return the style of shares of the members, whose zeros are not shown.
+
+    A class of QGIS holds its upper limit, one of the pictures its lower one: the limits are lowered
+    by less than shares of members can differ, and more than single precision rounds.
+    """
     ends = [0.0, *LIMITS, 1.0]
     items = [
-        (high, f"{100.0 * low:g} to {100.0 * high:g} %", color)
+        (high - HAIR if high < 1.0 else high, f"{100.0 * low:g} to {100.0 * high:g} %", color)
         for low, high, color in zip(ends[:-1], ends[1:], PROBABILITY, strict=True)
     ]
     return pseudocolors("DISCRETE", 0.8, 0.0, 1.0, items, 0.0)

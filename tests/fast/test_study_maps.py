@@ -1,13 +1,16 @@
 """Maps over the members of a study, against counting by hand."""
 
 import math
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.image import imread
 
 from debrisflow.case.rasters import MapGrid, Raster, read_raster, write_raster
 from debrisflow.errors import CaseError, OutputError
+from debrisflow.results.maps.looks import Scale
 from debrisflow.run.folder import RunFolder
 from debrisflow.study import map_files
 from debrisflow.study.checks import problems_of
@@ -15,6 +18,7 @@ from debrisflow.study.convergence import convergence
 from debrisflow.study.map_checks import expect_told_apart
 from debrisflow.study.map_files import write_maps
 from debrisflow.study.map_grid import grid_of, layer_on
+from debrisflow.study.map_pictures import LIMITS, PROBABILITY
 from debrisflow.study.maps import arrival_probability, exceedance, quantile_map, quantiles
 from debrisflow.study.tables import Map, MapArea, Study
 from tests.building import tank3d_case
@@ -353,6 +357,18 @@ class TestFiles:
         style = (tmp_path / "peak_depth_over_1.5m.qml").read_text()
         assert 'label="50 to 75 %"' in style
         assert 'min="0" max="0" percentTransparent="100"' in style
+
+    def test_a_share_at_a_limit_has_the_color_of_the_picture_in_the_style(self, runs, tmp_path):
+        write_maps(study_of(), runs, GRID, tmp_path)
+        root = ElementTree.fromstring((tmp_path / "peak_depth_over_1.5m.qml").read_text())
+        items = [(float(item.get("value")), item.get("color")) for item in root.iter("item")]
+        bounds = 100.0 * np.array([0.0, *LIMITS, 1.0])
+        colors, norm = Scale(bounds, PROBABILITY).map_and_norm  # as the picture has them
+        counts = [(k, count) for count in (8, 20, 100, 1000) for k in range(1, count + 1)]
+        for k, count in [*counts, (949_999, 1_000_000), (250_000, 1_000_000)]:
+            # QGIS: the first class whose value is not less than that of the cell, in 32 bits
+            styled = next(color for value, color in items if np.float32(k / count) <= value)
+            assert styled == to_hex(colors(norm(100.0 * k / count))), (k, count)
 
     def test_without_rasterio_the_rasters_are_text(self, runs, tmp_path, monkeypatch):
         monkeypatch.setattr(map_files, "has_rasterio", lambda: False)
