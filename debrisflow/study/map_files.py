@@ -19,7 +19,7 @@ from debrisflow.study.designs import is_sample as of_sample
 from debrisflow.study.map_pictures import LIMITS, PROBABILITY, StudyMap, draw_study_maps
 from debrisflow.study.maps import expect_members, known_on, quantiles, shares_arrived, shares_over
 from debrisflow.study.names import ARRIVAL
-from debrisflow.study.tables import Map, Study
+from debrisflow.study.tables import Map, Saltelli, Study
 
 HAIR = 1e-7  # of a share
 
@@ -53,6 +53,7 @@ def write_maps(
     """
     if is_sample is None:
         is_sample = of_sample(study.design)
+    is_independent = is_sample and not isinstance(study.design, Saltelli)
     if not any((wanted.exceeds or wanted.before or wanted.quantiles) for wanted in study.map):
         return []
     expect_members(folders)
@@ -65,8 +66,10 @@ def write_maps(
     with replaced_files(target) as unfinished:
         for one in maps:
             _write(one, grid, _tags(one, study, len(folders)), unfinished)
-        draw_study_maps(maps, folders, grid, case, study.title, is_sample, unfinished)
-        if is_sample and len(folders) > FIRST:
+        draw_study_maps(
+            maps, folders, grid, case, study.title, is_sample, is_independent, unfinished
+        )
+        if is_independent and len(folders) > FIRST:
             _write_convergence(study, folders, grid, least, unfinished)
         return [target / file.name for file in sorted(unfinished.iterdir())]
 
@@ -102,7 +105,7 @@ def _maps(
                 if layer == ARRIVAL
                 else f"{LOOKS[layer].title} that {percent} do not exceed"
             )
-            yield StudyMap(f"{layer}_quantile_{share:g}", title, layer, False, values)
+            yield StudyMap(f"{layer}_quantile_{share:g}", title, layer, False, values, share)
 
 
 def over_name(layer: str, threshold: float) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import ceil
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ from debrisflow.results.maps.structures import structures
 from debrisflow.results.words import Words
 from debrisflow.run.layers import WHILE_DEEP
 from debrisflow.study.map_grid import layer_on, terrain_on
+from debrisflow.study.maps import ROUNDING, rank
 from debrisflow.study.names import ARRIVAL
 
 Floats = NDArray[np.float64]
@@ -34,6 +36,7 @@ PROBABILITY = (
     "#ffffcc", "#ffeda0", "#fed976", "#feb24c", "#fd8d3c", "#fc4e2a", "#e31a1c", "#b10026",
 )  # fmt: skip
 PERCENT = 100.0
+BEYOND = 10  # members that lie beyond a quantile which is well known
 
 
 class StudyMap(NamedTuple):
@@ -51,6 +54,8 @@ class StudyMap(NamedTuple):
     values : (rows, columns) float64 array
         The northernmost row first; 0 where no member has the layer, of the arrival inf; nan off
         the terrain.
+    quantile : float or None
+        Share of the members that do not exceed the values, of a map of quantiles.
     """
 
     name: str
@@ -58,6 +63,7 @@ class StudyMap(NamedTuple):
     layer: str
     is_share: bool
     values: Floats
+    quantile: float | None = None
 
     @property
     def reached(self) -> NDArray[np.bool_]:
@@ -74,6 +80,7 @@ def draw_study_maps(
     case: ResolvedCase,
     title: str,
     is_sample: bool,
+    is_independent: bool,
     target: Path,
 ) -> None:
     """Draw maps, all of them of the part that any member reaches, as PNG files.
@@ -92,6 +99,8 @@ def draw_study_maps(
         Of the study.
     is_sample : bool
         Whether shares of the members are probabilities.
+    is_independent : bool
+        Whether members are also drawn independently, so that these have a standard error.
     target : Path
         Folder of the pictures.
 
@@ -111,7 +120,8 @@ def draw_study_maps(
         for one in maps:
             shown = np.where(one.reached, one.values, np.nan)
             values = Raster(grid, shown).cropped(*part).values
-            lines = tuple(_source(one, grid, len(folders), least, is_sample))
+            worth = _worth(one, len(folders), is_sample, is_independent)
+            lines = tuple(_source(one, grid, len(folders), least, worth))
             text = Text(one.title, title if writable(title) else "-", lines)
             layer = _share(one, values, is_sample) if one.is_share else _amount(one, values, least)
             figure: Figure = draw_map(ground, layer, text, words)
@@ -144,27 +154,53 @@ def _amount(one: StudyMap, values: Floats, threshold: float) -> Layer:
     return Layer(one.name, look, shown, scale_of(look, shown, least))
 
 
-def _source(
-    one: StudyMap, grid: MapGrid, members: int, least: float, is_sample: bool
-) -> Iterator[str]:
+def _source(one: StudyMap, grid: MapGrid, members: int, least: float, worth: str) -> Iterator[str]:
     """Yield the lines below a map."""
     yield (
         f"{members} members on cells of {grid.cell:g} m; terrain and obstacles of the first of "
         f"them. debrisflow {__version__}."
     )
-    if one.is_share:
-        weighed = "Each member counts the same; cells where the share is 0 are not shown."
-        if not is_sample:
-            weighed += (
-                " The members are not drawn from the distributions of the parameters: their share "
-                "is no probability."
-            )
-        else:
-            error = PERCENT * 0.5 / np.sqrt(members)
-            weighed += (
-                f" Of as many members drawn at random the standard error is up to {error:.2g} "
-                "percentage points."
-            )
-        yield weighed
+    yield worth
     if one.layer == "peak_depth" or one.layer in WHILE_DEEP:
         yield f"A member reaches a cell where its depth exceeds {least:g} m."
+
+
+def _worth(one: StudyMap, members: int, is_sample: bool, is_independent: bool) -> str:
+    """Say what a share of the members, or a quantile of them, is worth."""
+    if one.quantile is not None:
+        return place_in_order(one.quantile, members)
+    counted = "Each member counts the same; cells where the share is 0 are not shown."
+    if not is_sample:
+        return (
+            f"{counted} The members are not drawn from the distributions of the parameters: their "
+            "share is no probability."
+        )
+    if not is_independent:
+        return counted
+    error = PERCENT * 0.5 / np.sqrt(members)
+    return (
+        f"{counted} Of as many members drawn at random the standard error is up to {error:.2g} "
+        "percentage points."
+    )
+
+
+def place_in_order(share: float, members: int) -> str:
+    """Say which of the members a quantile is, and how many it needs if there are fewer.
+
+    Examples
+    --------
+    >>> place_in_order(0.5, 64)
+    'In each cell the value of member 32 of 64 in increasing order.'
+    >>> place_in_order(0.95, 64).partition(". ")[2]
+    'Beyond it lie 3 of them; for this share have at least 200.'
+    """
+    place = rank(share, members)
+    ordered = f"In each cell the value of member {place} of {members} in increasing order"
+    enough = ceil(BEYOND / min(share, 1.0 - share) - ROUNDING)
+    if members >= enough:
+        return f"{ordered}."
+    wanted = f"for this share have at least {enough}."
+    beyond = members - place if share >= 0.5 else place - 1
+    if beyond == 0:
+        return f"{ordered}, the {'greatest' if share >= 0.5 else 'least'} of them; {wanted}"
+    return f"{ordered}. Beyond it lie {beyond} of them; {wanted}"

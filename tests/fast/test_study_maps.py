@@ -6,19 +6,20 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from debrisflow.case.rasters import MapGrid, Raster, read_raster, write_raster
 from debrisflow.errors import CaseError, OutputError
 from debrisflow.results.maps.looks import Scale
 from debrisflow.run.folder import RunFolder
-from debrisflow.study import map_files
+from debrisflow.study import map_files, map_pictures
 from debrisflow.study.checks import problems_of
 from debrisflow.study.convergence import convergence
 from debrisflow.study.map_checks import expect_told_apart
 from debrisflow.study.map_files import write_maps
 from debrisflow.study.map_grid import grid_of, layer_on
-from debrisflow.study.map_pictures import LIMITS, PROBABILITY
+from debrisflow.study.map_pictures import LIMITS, PROBABILITY, place_in_order
 from debrisflow.study.maps import arrival_probability, exceedance, quantile_map, quantiles
 from debrisflow.study.tables import Map, MapArea, Study
 from tests.building import tank3d_case
@@ -285,6 +286,7 @@ def study_of(design="latin-hypercube"):
     designs = {
         "latin-hypercube": {"type": "latin-hypercube", "members": COUNT},
         "one-at-a-time": {"type": "one-at-a-time"},
+        "saltelli": {"type": "saltelli", "samples": 2},
     }
     friction = {"name": "mu", "key": "walls.floor.friction.coefficient", "low": 0.1, "high": 0.2}
     wanted = [
@@ -386,6 +388,45 @@ class TestFiles:
         with rasterio.open(tmp_path / "peak_depth_over_1.5m.tif") as file:
             title = file.tags()["meaning"]
         assert title == "Share of members whose peak flow depth exceeds 1.5 m; 8 members"
+
+    def test_members_that_share_values_have_no_standard_error(self, runs, tmp_path, monkeypatch):
+        """Of a Saltelli design, whose blocks differ in one parameter: shares are probabilities."""
+        drawn = {}
+
+        def kept(ground, layer, text, words):
+            drawn[text.title.partition(";")[0]] = " ".join(text.source)
+            return Figure()
+
+        monkeypatch.setattr(map_pictures, "draw_map", kept)
+        written = write_maps(study_of("saltelli"), runs, GRID, tmp_path / "saltelli")
+        title = "Probability that the peak flow depth exceeds 1.5 m"
+        assert not [file for file in written if "convergence" in file.name]
+        assert "standard error" not in drawn[title]
+        assert "no probability" not in drawn[title]
+        write_maps(study_of(), runs, GRID, tmp_path / "random")
+        assert "standard error is up to 18 percentage points" in drawn[title]
+
+    @pytest.mark.parametrize(
+        ("share", "members", "message"),
+        [
+            (0.9, 8, "value of member 8 of 8 in increasing order, the greatest of them; for this "),
+            (0.1, 8, "value of member 1 of 8 in increasing order, the least of them; for this "),
+            (0.9, 99, "member 90 of 99 in increasing order. Beyond it lie 9 of them; for this "),
+            (0.1, 99, "member 10 of 99 in increasing order. Beyond it lie 9 of them; for this "),
+        ],
+    )
+    def test_a_quantile_says_which_member_it_is(self, share, members, message):
+        assert message + "share have at least 100." in place_in_order(share, members)
+        assert place_in_order(share, 100).endswith("of 100 in increasing order.")
+
+    def test_a_map_of_quantiles_says_so(self, runs, tmp_path, monkeypatch):
+        lines = []
+        monkeypatch.setattr(
+            map_pictures, "draw_map", lambda *given: lines.append(given[2].source) or Figure()
+        )
+        write_maps(study_of("one-at-a-time"), runs, GRID, tmp_path)
+        quantiles_of = [line for source in lines for line in source if "increasing order" in line]
+        assert quantiles_of == [place_in_order(0.9, COUNT), place_in_order(0.1, COUNT)]
 
     def test_a_threshold_that_cannot_be_told_is_refused_beforehand(self, tmp_path):
         case = sloping_case(tmp_path, output={"interval": 1.0, "layer_depth": 0.2})
