@@ -337,6 +337,7 @@ _MESSAGES: dict[str, _Telling] = {
     "greater_than_equal": lambda limit, _: f"must be at least {limit['ge']:g}",
     "less_than": lambda limit, _: f"must be less than {limit['lt']:g}",
     "less_than_equal": lambda limit, _: f"must be at most {limit['le']:g}",
+    "multiple_of": lambda limit, _: f"must be a multiple of {limit['multiple_of']:g}",
     "finite_number": lambda *_: "must be a finite number",
     "float_type": lambda _, place: (
         "must be a number" + (", or all must be text" if str in _entries(place.field) else "")

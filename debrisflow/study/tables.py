@@ -19,7 +19,11 @@ class Correlation(Table):
 
 
 class Grid(Table):
-    """Every combination of evenly spaced shares of each parameter, or of its values."""
+    """Every combination of evenly spaced shares of each parameter, or of its values.
+
+    The first and the last are the bounds of a uniform or triangular parameter, and of the others
+    the values below which 0.5 and 99.5 % lie.
+    """
 
     type: Literal["grid"] = field(NONE, "chooses this table")
     levels: int = field(NONE, "of a parameter without values of its own", 3, ge=2, le=100)
@@ -49,11 +53,14 @@ class SobolSequence(Table):
 
 
 class Morris(Table):
-    """Paths on which one parameter after the other takes a step: which matter at all."""
+    """Paths on which one parameter after the other takes a step: which matter at all.
+
+    The lowest and the highest level are the ends, as in a grid.
+    """
 
     type: Literal["morris"] = field(NONE, "chooses this table")
     paths: int = field(NONE, "each of as many runs as parameters and one", ge=2, le=100_000)
-    levels: int = field(NONE, "of each parameter", 4, ge=2, le=100, multiple_of=2)
+    levels: int = field(NONE, "of each parameter, an even number", 4, ge=2, le=100, multiple_of=2)
     seed: int = field(NONE, "of the random numbers", 0, ge=0)
 
 

@@ -7,7 +7,7 @@ from matplotlib.image import imread
 from debrisflow.study.designs import points_of
 from debrisflow.study.plots.drawn import draw_sensitivity
 from debrisflow.study.plots.effects import morris_figure, shares_figure
-from debrisflow.study.plots.labels import parameter_label
+from debrisflow.study.plots.labels import label_of, parameter_label
 from debrisflow.study.plots.scatter import scatter_figure
 from debrisflow.study.plots.tornado import ends_of, explanation, tornado_figure
 from debrisflow.study.sensitivity import Effect, sensitivity
@@ -179,3 +179,5 @@ def test_labels_have_the_unit_of_the_key():
     labels = [parameter_label(one) for one in study("grid").parameter]
 
     assert labels == ["volume, factor", "mu", "dem", "spacing, m"]
+    assert label_of("manning", "s/m^(1/3)") == "manning, s/m^(1/3)"  # no exponent of 1/³
+    assert label_of("discharge", "m3/s") == "discharge, m³/s"

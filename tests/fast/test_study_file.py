@@ -18,11 +18,11 @@ name = "friction"
 UNIFORM = 'distribution = "uniform"\nlow = 0.1\nhigh = 0.2\n'
 
 
-def refused(tmp_path, text):
+def refused(tmp_path, text, head=HEAD):
     """Return the lines that are said of a study, without the head."""
     (tmp_path / "case.toml").touch()
     path = tmp_path / "study.toml"
-    path.write_text(HEAD + text)
+    path.write_text(head + text)
     with pytest.raises(CaseError) as caught:
         load_study(path)
     return [line.strip() for line in str(caught.value).splitlines()[1:]]
@@ -52,6 +52,12 @@ def test_a_wrong_list_of_values_is_one_fault_with_its_key(tmp_path, text, messag
 )
 def test_a_wrong_key_is_one_fault(tmp_path, text, message):
     assert refused(tmp_path, f"{text}\n{UNIFORM}") == [f"parameter.friction.{message}"]
+
+
+def test_levels_of_morris_must_be_even(tmp_path):
+    text = f'key = "a"\n{UNIFORM}'
+    head = HEAD.replace('{ type = "grid" }', '{ type = "morris", paths = 4, levels = 5 }')
+    assert refused(tmp_path, text, head) == ["design.levels = 5: must be a multiple of 2"]
 
 
 def test_bounds_that_are_not_in_order_are_named_with_their_value(tmp_path):

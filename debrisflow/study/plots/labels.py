@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 from debrisflow.case.problems import locate, unit_of
 from debrisflow.study.distributions import AnyParameter, Choice, Value
 
 POWERS = str.maketrans("23", "²³")
+POWER = re.compile(r"(?<=[A-Za-z])[23](?!\d)")  # right after a unit
 
 
 def label_of(name: str, unit: str) -> str:
@@ -17,7 +20,18 @@ def label_of(name: str, unit: str) -> str:
     ('affected area, m²', 'equivalent friction')
     """
     words = name.replace("_", " ")
-    return words if unit in ("", "-") else f"{words}, {unit.translate(POWERS)}"
+    return words if unit in ("", "-") else f"{words}, {raised(unit)}"
+
+
+def raised(unit: str) -> str:
+    """Return a unit with its simple exponents raised.
+
+    Examples
+    --------
+    >>> raised("kg/m3"), raised("s/m^(1/3)")
+    ('kg/m³', 's/m^(1/3)')
+    """
+    return POWER.sub(lambda power: power[0].translate(POWERS), unit)
 
 
 def parameter_label(parameter: AnyParameter) -> str:
@@ -30,7 +44,7 @@ def parameter_label(parameter: AnyParameter) -> str:
     fields = [own for one in place.owners if (own := one.model_fields.get(str(name)))]
     units = {unit_of(field).strip() for field in fields}
     unit = units.pop() if len(units) == 1 else ""
-    return f"{parameter.name}, {unit.translate(POWERS)}" if unit else parameter.name
+    return f"{parameter.name}, {raised(unit)}" if unit else parameter.name
 
 
 def shown_value(value: Value) -> str:
