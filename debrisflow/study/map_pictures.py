@@ -192,14 +192,14 @@ def place_in_order(share: float, members: int) -> str:
     >>> place_in_order(0.5, 64)
     'In each cell the value of member 32 of 64 in increasing order.'
     >>> place_in_order(0.95, 64).partition(". ")[2]
-    'Beyond it lie 3 of them; for this share have at least 200.'
+    'Beyond it lie 3 of them; this share needs at least 200 members.'
     """
     place = rank(share, members)
     ordered = f"In each cell the value of member {place} of {members} in increasing order"
     enough = ceil(BEYOND / min(share, 1.0 - share) - ROUNDING)
     if members >= enough:
         return f"{ordered}."
-    wanted = f"for this share have at least {enough}."
+    wanted = f"this share needs at least {enough} members."
     beyond = members - place if share >= 0.5 else place - 1
     if beyond == 0:
         return f"{ordered}, the {'greatest' if share >= 0.5 else 'least'} of them; {wanted}"

@@ -409,14 +409,14 @@ class TestFiles:
     @pytest.mark.parametrize(
         ("share", "members", "message"),
         [
-            (0.9, 8, "value of member 8 of 8 in increasing order, the greatest of them; for this "),
-            (0.1, 8, "value of member 1 of 8 in increasing order, the least of them; for this "),
-            (0.9, 99, "member 90 of 99 in increasing order. Beyond it lie 9 of them; for this "),
-            (0.1, 99, "member 10 of 99 in increasing order. Beyond it lie 9 of them; for this "),
+            (0.9, 8, "value of member 8 of 8 in increasing order, the greatest of them; this "),
+            (0.1, 8, "value of member 1 of 8 in increasing order, the least of them; this "),
+            (0.9, 99, "member 90 of 99 in increasing order. Beyond it lie 9 of them; this "),
+            (0.1, 99, "member 10 of 99 in increasing order. Beyond it lie 9 of them; this "),
         ],
     )
     def test_a_quantile_says_which_member_it_is(self, share, members, message):
-        assert message + "share have at least 100." in place_in_order(share, members)
+        assert message + "share needs at least 100 members." in place_in_order(share, members)
         assert place_in_order(share, 100).endswith("of 100 in increasing order.")
 
     def test_a_map_of_quantiles_says_so(self, runs, tmp_path, monkeypatch):
