@@ -36,6 +36,7 @@ from debrisflow.study.outcome import FINISHED, read_outcome
 WORKERS = 2
 PAUSE = 0.2  # s, between two looks
 PATIENCE = 7200.0  # s
+LOOPBACK = ("--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0")  # also for the pages
 
 
 class Failure(SystemExit):
@@ -90,7 +91,12 @@ def dask(*arguments: str, log: Path) -> subprocess.Popen[bytes]:
 
 def worker(address: str, log: Path) -> subprocess.Popen[bytes]:
     """Start a worker without a process that would start it again."""
-    return dask("worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", log=log)
+    return dask("worker", address, "--nthreads", "1", "--no-nanny", *LOOPBACK, log=log)
+
+
+def scheduler_at(log: Path) -> subprocess.Popen[bytes]:
+    """Start a scheduler at any port."""
+    return dask("scheduler", "--port", "0", *LOOPBACK, log=log)
 
 
 def wait_for(text: str, log: Path) -> re.Match[str]:
@@ -106,10 +112,7 @@ def wait_for(text: str, log: Path) -> re.Match[str]:
 def distributed(sweep: Sweep, reference: Sweep) -> None:
     """Compute a sweep on workers of which one is killed and another joins, and compare."""
     logs = sweep.folder.parent
-    scheduler = dask(
-        "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", log=logs / "scheduler"
-    )
-    processes = [scheduler]
+    processes = [scheduler_at(logs / "scheduler")]
     try:
         address = wait_for(r"tcp://127\.0\.0\.1:\d+", logs / "scheduler")[0]
         processes += [worker(address, logs / f"worker{k}") for k in range(WORKERS)]

@@ -75,3 +75,9 @@ def test_the_page_of_the_scheduler_is_not_on_the_network(names):
     sockets = names["cluster"].scheduler.http_server._sockets.values()
 
     assert {one.getsockname()[0] for one in sockets} == {"127.0.0.1"}
+
+
+def test_the_pages_of_the_workers_are_not_on_the_network(names):
+    (worker,) = re.findall(r"^.*dask_worker.*$", names["cluster"].job_script(), re.M)
+
+    assert worker.endswith(" --dashboard-address 127.0.0.1:0")
