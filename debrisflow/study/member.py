@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from hashlib import sha256
 from pathlib import Path
@@ -16,7 +16,7 @@ from debrisflow.case.loading import tables_of_file
 from debrisflow.case.overrides import apply_overrides
 from debrisflow.errors import CaseError
 from debrisflow.study.distributions import AnyParameter, Value, Values
-from debrisflow.study.places import expect_apart
+from debrisflow.study.places import expect_apart, flat, resolved
 from debrisflow.study.tables import Study
 
 DIGITS = 16  # of the digest in the name of a folder
@@ -107,7 +107,7 @@ class Cases:
             if table is None:
                 changes[key] = new
                 continue
-            name = ".".join(table)
+            name = ".".join(resolved(".".join(table), self._complete))
             whole = changes.setdefault(name, deepcopy(_at(self._complete, table)))
             _at(whole, parts[len(table) : -1])[parts[-1]] = new
 
@@ -156,21 +156,6 @@ def address(case: ResolvedCase, program: str) -> str:
     content = {key: value for key, value in content_of(case).items() if key not in WORDS}
     system = case.terrain.levels.grid.crs if case.is_terrain else ""  # may come from a .prj
     return sha256(f"{program}\n{system}\n{digest_of(content)}".encode()).hexdigest()
-
-
-def flat(tables: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the values of nested tables by their dotted keys.
-
-    Examples
-    --------
-    >>> list(flat({"particles": {"spacing": 2.0}, "time.end": 1.0}))
-    [('particles.spacing', 2.0), ('time.end', 1.0)]
-    """
-    for key, value in tables.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{before}{key}.")
-        else:
-            yield before + key, value
 
 
 def toml_of(value: Any) -> str:

@@ -75,7 +75,7 @@ def expect_apart(study: Study, complete: Mapping[str, Any]) -> None:
 
 def _lost(study: Study, path_of: Callable[[str], Keys]) -> Problems:
     """Yield the parameters that set a whole table of which ``[set]`` changes a part."""
-    changes = {key: path_of(key) for key in _leaves(study.set)}
+    changes = {key: path_of(key) for key, _ in flat(study.set)}
     for k, parameter in enumerate(study.parameter):
         for key in () if parameter.is_factor else parameter.keys:
             path = path_of(key)
@@ -85,12 +85,19 @@ def _lost(study: Study, path_of: Callable[[str], Keys]) -> Problems:
                     yield Problem(f"parameter.{k}.key", message, key)
 
 
-def _leaves(tables: Mapping[str, Any], before: str = "") -> Iterator[str]:
+def flat(tables: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the values of nested tables by their dotted keys.
+
+    Examples
+    --------
+    >>> list(flat({"particles": {"spacing": 2.0}, "time.end": 1.0}))
+    [('particles.spacing', 2.0), ('time.end', 1.0)]
+    """
     for key, value in tables.items():
         if isinstance(value, Mapping):
-            yield from _leaves(value, f"{before}{key}.")
+            yield from flat(value, f"{before}{key}.")
         else:
-            yield before + key
+            yield before + key, value
 
 
 def resolved(key: str, complete: Mapping[str, Any]) -> Iterator[str]:

@@ -16,9 +16,10 @@ from debrisflow.run.names import POSTPROCESS
 from debrisflow.study.attachments import Attachments, Link, address, attachments
 from debrisflow.study.designs import is_sample
 from debrisflow.study.distributions import AnyParameter, Choice, Value
-from debrisflow.study.member import Member, flat, shown_values
+from debrisflow.study.member import Member, shown_values
 from debrisflow.study.names import CALIBRATION, MAPS, REPORT, SENSITIVITY, TABLE
 from debrisflow.study.outcome import FINISHED, STOPPED
+from debrisflow.study.places import flat
 from debrisflow.study.results import Results
 from debrisflow.study.statistics import Summary, summaries
 from debrisflow.study.wording import (

@@ -75,7 +75,7 @@ def test_factors_multiply_several_columns_of_a_hydrograph_in_a_file(written):
     key = "release.gully.hydrograph"
     factors = [
         {"name": "volume", "key": f"{key}.discharge", "is_factor": True, **RANGE},
-        {"name": "duration", "key": f"{key}.time", "is_factor": True, **RANGE},
+        {"name": "duration", "key": "release.0.hydrograph.time", "is_factor": True, **RANGE},
     ]
     found = member(written(), {"volume": 1.5, "duration": 0.5}, parameters=factors)
     hydrograph = found.case.release[0].hydrograph
