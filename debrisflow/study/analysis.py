@@ -105,8 +105,8 @@ def write_study_maps(results: Results, target: Path) -> list[Path]:
     """Write the maps that a study asks for, and return the files; none without any."""
     if not results.study.map:
         return []
-    from debrisflow.study.map_files import write_maps
-    from debrisflow.study.map_grid import grid_of
+    from debrisflow.study.maps.files import write_maps
+    from debrisflow.study.maps.grid import grid_of
 
     grid = grid_of(results.base, results.study.area)
     return write_maps(results.study, results.folders, grid, target)

@@ -13,7 +13,7 @@ from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.words import did_you_mean, either
 from debrisflow.study.correlations import correlation_matrix
 from debrisflow.study.distributions import AnyParameter, Choice
-from debrisflow.study.map_checks import layer_problems, map_problems
+from debrisflow.study.maps.checks import layer_problems, map_problems
 from debrisflow.study.places import overlaps
 from debrisflow.study.quantities import USUAL
 from debrisflow.study.tables import (

@@ -12,8 +12,8 @@ from debrisflow.study.calibration.observations import Evaluate, Evaluated
 from debrisflow.study.calibration.procedure import calibrate
 from debrisflow.study.calibration.result import PREDICTIVE, CalibrationResult
 from debrisflow.study.distributions import Values
-from debrisflow.study.map_files import write_maps
-from debrisflow.study.map_grid import grid_of
+from debrisflow.study.maps.files import write_maps
+from debrisflow.study.maps.grid import grid_of
 from debrisflow.study.member import Member
 from debrisflow.study.names import FINDINGS, MAPS
 from debrisflow.study.outcome import FINISHED, STOPPED, Outcome

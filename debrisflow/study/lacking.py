@@ -11,7 +11,7 @@ from debrisflow.case.words import did_you_mean
 from debrisflow.errors import OutputError
 from debrisflow.results.layers import read_layer
 from debrisflow.run.names import CASE
-from debrisflow.study.map_grid import TERRAIN
+from debrisflow.study.maps.grid import TERRAIN
 from debrisflow.study.member import shown_values
 from debrisflow.study.outcome import DAMAGED, FINISHED
 from debrisflow.study.results import Results

@@ -133,7 +133,7 @@ class Results:
         from dask.delayed import delayed
 
         from debrisflow.results.flow_path import centers
-        from debrisflow.study.map_grid import grid_of, layer_on
+        from debrisflow.study.maps.grid import grid_of, layer_on
 
         grid = grid_of(self.base, self.study.area)
         parts = [

@@ -17,7 +17,7 @@ from debrisflow.study.designs import points_of
 from debrisflow.study.distributions import Values
 from debrisflow.study.engine import computed, connected, expect_fit, local_cluster, workers_for
 from debrisflow.study.loading import load_study
-from debrisflow.study.map_checks import expect_on_map, expect_told_apart
+from debrisflow.study.maps.checks import expect_on_map, expect_told_apart
 from debrisflow.study.member import Cases, Member, members_of
 from debrisflow.study.names import MEMBERS, PLAN
 from debrisflow.study.outcome import Outcome, read_outcome

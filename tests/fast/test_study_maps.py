@@ -13,14 +13,15 @@ from debrisflow.case.rasters import MapGrid, Raster, read_raster, write_raster
 from debrisflow.errors import CaseError, OutputError
 from debrisflow.results.maps.looks import Scale
 from debrisflow.run.folder import RunFolder
-from debrisflow.study import map_files, map_pictures
 from debrisflow.study.checks import problems_of
-from debrisflow.study.convergence import convergence
-from debrisflow.study.map_checks import expect_told_apart
-from debrisflow.study.map_files import write_maps
-from debrisflow.study.map_grid import grid_of, layer_on
-from debrisflow.study.map_pictures import LIMITS, PROBABILITY, place_in_order
-from debrisflow.study.maps import arrival_probability, exceedance, quantile_map, quantiles
+from debrisflow.study.maps import files as map_files
+from debrisflow.study.maps import pictures as map_pictures
+from debrisflow.study.maps.checks import expect_told_apart
+from debrisflow.study.maps.convergence import convergence
+from debrisflow.study.maps.files import write_maps
+from debrisflow.study.maps.grid import grid_of, layer_on
+from debrisflow.study.maps.pictures import LIMITS, PROBABILITY, place_in_order
+from debrisflow.study.maps.shares import arrival_probability, exceedance, quantile_map, quantiles
 from debrisflow.study.tables import Map, MapArea, Study
 from tests.building import tank3d_case
 from tests.terrain_recording import GRID, SOUTH, WEST, sloping_case

@@ -14,10 +14,16 @@ from debrisflow.results.reader import open_run
 from debrisflow.run.atomic import made, replaced_files
 from debrisflow.run.layer_styles import pseudocolors, style
 from debrisflow.run.layers import ENDINGS, LAYERS
-from debrisflow.study.convergence import FIRST, convergence, write_convergence
 from debrisflow.study.designs import is_sample as of_sample
-from debrisflow.study.map_pictures import LIMITS, PROBABILITY, StudyMap, draw_study_maps
-from debrisflow.study.maps import expect_members, known_on, quantiles, shares_arrived, shares_over
+from debrisflow.study.maps.convergence import FIRST, convergence, write_convergence
+from debrisflow.study.maps.pictures import LIMITS, PROBABILITY, StudyMap, draw_study_maps
+from debrisflow.study.maps.shares import (
+    expect_members,
+    known_on,
+    quantiles,
+    shares_arrived,
+    shares_over,
+)
 from debrisflow.study.names import ARRIVAL
 from debrisflow.study.tables import Map, Saltelli, Study
 
@@ -39,7 +45,7 @@ def write_maps(
     folders : sequence of Path
         Of finished members, in the order of the design.
     grid : MapGrid
-        See :func:`debrisflow.study.map_grid.grid_of`.
+        See :func:`debrisflow.study.maps.grid.grid_of`.
     target : Path
         Made if it does not exist.
     is_sample : bool, optional

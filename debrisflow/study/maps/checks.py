@@ -7,7 +7,7 @@ from debrisflow.case.problems import Problem, Problems
 from debrisflow.case.words import did_you_mean, either, format_extent
 from debrisflow.errors import CaseError
 from debrisflow.run.layers import LAYERS
-from debrisflow.study.map_grid import grid_of
+from debrisflow.study.maps.grid import grid_of
 from debrisflow.study.names import ARRIVAL
 from debrisflow.study.quantities import cell_of
 from debrisflow.study.tables import Map, MapArea, Study

@@ -24,8 +24,8 @@ from debrisflow.results.maps.sheet import Ground, Text, draw_map, styled
 from debrisflow.results.maps.structures import structures
 from debrisflow.results.words import Words
 from debrisflow.run.layers import WHILE_DEEP
-from debrisflow.study.map_grid import layer_on, terrain_on
-from debrisflow.study.maps import ROUNDING, rank
+from debrisflow.study.maps.grid import layer_on, terrain_on
+from debrisflow.study.maps.shares import ROUNDING, rank
 from debrisflow.study.names import ARRIVAL
 
 Floats = NDArray[np.float64]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from debrisflow.case.rasters import MapGrid
 from debrisflow.results.plots.style import BLUE, GRAY, ORANGE, RED, panels, save, styled
 from debrisflow.run.tables import write_table
-from debrisflow.study.maps import layers_on
+from debrisflow.study.maps.shares import layers_on
 
 Floats = NDArray[np.float64]
 FIRST = 4  # members of the first subset

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from debrisflow.case.rasters import MapGrid
 from debrisflow.errors import OutputError
-from debrisflow.study.map_grid import layer_on, terrain_on
+from debrisflow.study.maps.grid import layer_on, terrain_on
 from debrisflow.study.names import ARRIVAL
 
 Floats = NDArray[np.float64]
@@ -32,7 +32,7 @@ def exceedance(folders: Sequence[Path], grid: MapGrid, layer: str, threshold: fl
     grid : MapGrid
     layer : str
         Where a member has none of it, it counts as 0, see
-        :func:`debrisflow.study.map_grid.layer_on`.
+        :func:`debrisflow.study.maps.grid.layer_on`.
     threshold : float
         In the unit of the layer.  Depths up to ``output.layer_depth`` are not told from 0.
 
@@ -154,7 +154,7 @@ def rank(share: float, count: int) -> int:
 
 
 def layers_on(folders: Sequence[Path], grid: MapGrid, layer: str) -> Iterator[Floats]:
-    """Yield a layer of each member, see :func:`debrisflow.study.map_grid.layer_on`.
+    """Yield a layer of each member, see :func:`debrisflow.study.maps.grid.layer_on`.
 
     Raises
     ------

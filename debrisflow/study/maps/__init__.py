@@ -1,0 +1,1 @@
+"""Maps over the members of a study: probabilities, quantiles, and whether they converge."""
