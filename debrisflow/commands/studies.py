@@ -80,7 +80,7 @@ def run(
         raise click.UsageError("--scheduler has workers of its own; leave out --workers")
     asked = Sweep.from_file(study, output, store)
     if dry_run:
-        _tell_plan(asked, workers, threads, as_json)
+        _tell_plan(asked, asked.room(workers, threads, scheduler), as_json)
         return
 
     from debrisflow.study.analysis import analyze
@@ -115,11 +115,11 @@ def run(
         raise type(errors[0])("\n".join(map(str, errors)))
 
 
-def _tell_plan(asked: Sweep, workers: int | None, threads: int, as_json: bool) -> None:
+def _tell_plan(asked: Sweep, workers: int, as_json: bool) -> None:
     """Print how many members there are, and what they need."""
     from debrisflow.study.plan import plan_figures, plan_lines
 
-    found = plan_figures(asked, workers, threads)
+    found = plan_figures(asked, workers)
     if as_json:
         print_json({"event": RESULT} | found)
         return

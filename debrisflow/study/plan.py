@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import ceil
 from typing import Any
 
 from debrisflow.case.memory import size
 from debrisflow.run.duration import duration
 from debrisflow.run.forecast import forecast
 from debrisflow.run.pace import last_pace
-from debrisflow.study.engine import workers_for
 from debrisflow.study.outcome import read_outcome
 from debrisflow.study.sweep import Sweep
 
 
-def plan_figures(sweep: Sweep, workers: int | None, threads: int) -> dict[str, Any]:
+def plan_figures(sweep: Sweep, workers: int) -> dict[str, Any]:
     """Return how many members there are and what they need.
 
     Parameters
     ----------
     sweep : Sweep
-    workers : int, optional
-        Members computed at a time; as many as this machine has room for if left out.
-    threads : int
-        Of each member.
+    workers : int
+        That there are; no more are used than members are left.
 
     Returns
     -------
@@ -44,7 +42,7 @@ def plan_figures(sweep: Sweep, workers: int | None, threads: int) -> dict[str, A
         max(calibration.runs - len(sweep.members), 0) + calibration.predictive if calibration else 0
     )
     base = forecast(sweep.cases.base, last_pace(sweep.cases.base))
-    count = workers or workers_for(base.memory, threads)
+    count = max(min(workers, sweep.most_at_once), 1)
     expected = base.wall_time[1] if base.wall_time else None
     seconds = sum(known.values()) / len(known) if known else expected
     return {
@@ -54,7 +52,7 @@ def plan_figures(sweep: Sweep, workers: int | None, threads: int) -> dict[str, A
         "further": further,
         "workers": count,
         "seconds": seconds,
-        "wall_seconds": None if seconds is None else seconds * (left + further) / count,
+        "wall_seconds": None if seconds is None else seconds * ceil((left + further) / count),
         "memory": base.memory * count,
         "disk": base.disk * (left + further),
     }

@@ -15,7 +15,14 @@ from debrisflow.run.forecast import forecast
 from debrisflow.run.lock import locked
 from debrisflow.study.designs import points_of
 from debrisflow.study.distributions import Values
-from debrisflow.study.engine import computed, connected, expect_fit, local_cluster, workers_for
+from debrisflow.study.engine import (
+    computed,
+    connected,
+    expect_fit,
+    local_cluster,
+    workers_for,
+    workers_of,
+)
 from debrisflow.study.loading import load_study
 from debrisflow.study.maps.checks import expect_on_map, expect_told_apart
 from debrisflow.study.member import Cases, Member, members_of
@@ -155,6 +162,13 @@ class Sweep:
         with local_cluster(max(min(room, self.most_at_once), 1), threads) as client:
             expect_fit(client, self.need)
             yield client
+
+    def room(self, count: int | None, threads: int, scheduler: str | None) -> int:
+        """Return how many workers there would be; see :meth:`workers`."""
+        if scheduler is None:
+            return count or workers_for(self.need, threads)
+        with connected(scheduler) as client:
+            return len(workers_of(client))
 
     @contextmanager
     def open(self) -> Iterator[None]:

@@ -18,6 +18,7 @@ from debrisflow.study import engine
 from debrisflow.study.computing import compute
 from debrisflow.study.engine import computed
 from debrisflow.study.outcome import FAILED, FINISHED, STOPPED
+from debrisflow.study.plan import plan_figures
 from debrisflow.study.status import sweep_status
 
 pytest.importorskip("distributed")
@@ -96,6 +97,16 @@ def test_what_is_over_is_not_computed_again_and_a_failed_member_neither(swept):
     assert sorted(told) == [0, 1, 2]
     assert [file.stat().st_mtime_ns for file in files] == before
     assert repr(found.outcomes) == repr(results.outcomes)  # nan is not nan
+
+
+def test_the_plan_counts_what_is_known_and_no_more_workers_than_members(swept, tmp_path):
+    sweep, _ = swept
+    known = plan_figures(sweep, 8)
+    assert (known["members"], known["known"], known["wall_seconds"]) == (3, 3, 0.0)
+    path = study_file(tmp_path, [25.0, 30.0, 35.0])
+    further = plan_figures(Sweep.from_file(path, tmp_path / "other", store=sweep.store), 8)
+    assert (further["known"], further["workers"]) == (1, 2)
+    assert further["wall_seconds"] == further["seconds"]
 
 
 def test_another_study_with_the_same_store_takes_what_is_there(swept, tmp_path):
