@@ -154,7 +154,9 @@ def test_workers_that_would_compute_two_members_in_one_process_are_refused(tmp_p
 
     sweep = Sweep.from_file(study_file(tmp_path, [20.0, 25.0]), tmp_path / "out")
     with (
-        LocalCluster(1, threads_per_worker=2, processes=False, dashboard_address=None) as cluster,
+        LocalCluster(
+            1, threads_per_worker=2, processes=False, dashboard_address="127.0.0.1:0"
+        ) as cluster,
         pytest.raises(OutputError, match="--nthreads 1"),
         sweep.workers(scheduler=cluster.scheduler_address),
     ):
@@ -179,7 +181,7 @@ def test_two_processes_on_one_member_compute_it_once(tmp_path):
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         found = list(pool.map(compute, *zip(asked, asked, strict=True)))
     assert [outcome.state for outcome in found] == [FINISHED, FINISHED]
-    assert repr(found[0]) == repr(found[1])
+    assert repr(found[0].answers) == repr(found[1].answers)
     assert (member.folder / "run.log").read_text().count("threads by") == 1
 
 
