@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from debrisflow.study.outcome import Outcome
     from debrisflow.study.sweep import Sweep
 
-STOPPED = "stopped"
-
 
 class WithDefault(click.Group):
     """Commands of which one is meant where none is named."""
@@ -85,6 +83,7 @@ def run(
 
     from debrisflow.study.analysis import analyze
     from debrisflow.study.names import FINDINGS
+    from debrisflow.study.outcome import STOPPED
     from debrisflow.study.progress import Bar
 
     bar = nullcontext(_print_member) if as_json else Bar(len(asked.members), quiet)

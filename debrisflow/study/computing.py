@@ -84,7 +84,7 @@ def _computed(case: ResolvedCase, folder: Path, digest: str, program: str, threa
         outcome = Outcome(FAILED, str(error), {}, perf_counter() - began)
     else:
         if address(case, program) != digest:
-            shutil.rmtree(folder, ignore_errors=True)  # they are not those of this address
+            shutil.rmtree(folder)  # its results are not those of this address
             _expect_same_files(case, digest, program)
         outcome = Outcome(FINISHED, "", _answers(folder), perf_counter() - began)
     write_outcome(folder, outcome)

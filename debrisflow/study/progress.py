@@ -28,12 +28,10 @@ class Bar:
     def __init__(self, members: int, is_quiet: bool = False) -> None:
         self._bar: tqdm[Any] = bar(total=members, bar_format=BAR, disable=is_quiet)
         self._bar.set_description_str(self._text(), refresh=True)
-        self._without = 0
 
     def __call__(self, member: Member, outcome: Outcome) -> None:
         """Show that a member is over; those beyond the design make the bar longer."""
         if outcome.state != FINISHED:
-            self._without += 1
             text = f"member {member.number} ({shown_values(member.values)}) {outcome.state}: "
             tqdm.write(shown(text + outcome.message), file=sys.stderr)
         self._bar.total = max(self._bar.total, self._bar.n + 1)

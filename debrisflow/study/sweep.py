@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from debrisflow.errors import OutputError
 from debrisflow.run.atomic import made, replaced
 from debrisflow.run.forecast import forecast
-from debrisflow.run.lock import locked
+from debrisflow.run.lock import LockedError, locked
 from debrisflow.study.designs import points_of
 from debrisflow.study.distributions import Values
 from debrisflow.study.engine import (
@@ -175,9 +175,15 @@ class Sweep:
         """Keep other processes from running this study, and write down its members."""
         made(self.folder, is_deep=True)
         made(self.store, is_deep=True)
-        with locked(self.folder):
-            self._write_plan()
-            yield
+        try:
+            with locked(self.folder):
+                self._write_plan()
+                yield
+        except LockedError as error:
+            raise OutputError(
+                f"another process runs the study in {self.folder}; watch it with: debrisflow sweep "
+                f"status {self.folder}"
+            ) from error
 
     def compute(
         self, client: Client, members: Sequence[Member], threads: int = 1, told: Told | None = None

@@ -21,7 +21,7 @@ from debrisflow.study.maps.convergence import convergence
 from debrisflow.study.maps.files import write_maps
 from debrisflow.study.maps.grid import grid_of, layer_on
 from debrisflow.study.maps.pictures import LIMITS, PROBABILITY, place_in_order
-from debrisflow.study.maps.shares import arrival_probability, exceedance, quantile_map, quantiles
+from debrisflow.study.maps.shares import known_on, quantiles, shares_arrived, shares_over
 from debrisflow.study.tables import Map, MapArea, Study
 from tests.building import tank3d_case
 from tests.terrain_recording import GRID, SOUTH, WEST, sloping_case
@@ -35,6 +35,24 @@ UTM = (
     'PARAMETER["central_meridian",%d],PARAMETER["scale_factor",0.9996],'
     'PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1]]'
 )
+
+
+def on_terrain(folders, grid, found):
+    """Return a map, nan where no member has a terrain, as it is written."""
+    (values,) = found
+    return np.where(known_on(folders, grid), values, np.nan)
+
+
+def exceedance(folders, grid, layer, threshold):
+    return on_terrain(folders, grid, shares_over(folders, grid, layer, (threshold,)))
+
+
+def arrival_probability(folders, grid, before):
+    return on_terrain(folders, grid, shares_arrived(folders, grid, (before,)))
+
+
+def quantile_map(folders, grid, layer, share):
+    return on_terrain(folders, grid, quantiles(folders, grid, layer, (share,)))
 
 
 def write_member(folder, depth, arrival=None, grid=GRID, off=True):

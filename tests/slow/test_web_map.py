@@ -179,10 +179,10 @@ def test_a_click_on_a_probe_shows_its_curves(page):
     assert "discharge, m3/s" in told.text_content()
 
 
-SCRIPT = "</script><script>window.hacked = 1</script>"
-IMAGE = "<img src=x onerror='window.hacked = 1'>"
-QUOTE = "\" onmouseover='window.hacked = 1' x=\""
-HOSTILE = f"{SCRIPT}{IMAGE}{QUOTE} {{{{ 7 * 7 }}}} {{0.__class__}} $\\frac{{$ javascript:hacked()"
+SCRIPT = "</script><script>window.injected = 1</script>"
+IMAGE = "<img src=x onerror='window.injected = 1'>"
+QUOTE = "\" onmouseover='window.injected = 1' x=\""
+HOSTILE = f"{SCRIPT}{IMAGE}{QUOTE} {{{{ 7 * 7 }}}} {{0.__class__}} $\\frac{{$ javascript:injected()"
 NAME = IMAGE.replace("/", "")  # of a file
 
 
@@ -252,7 +252,7 @@ def test_words_from_files_are_text_and_no_script(browser, tmp_path, make, langua
     assert tab.locator("h1").text_content() == tab.title() == HOSTILE
     assert tab.locator(".lines").text_content() == HOSTILE
     assert HOSTILE in tab.locator(".warning").first.text_content()
-    assert tab.evaluate("typeof window.hacked") == "undefined"
+    assert tab.evaluate("typeof window.injected") == "undefined"
     assert tab.locator("[onerror], [onmouseover], a[href^='javascript']").count() == 0
     assert tab.locator("script").count() == (2 if make is hostile_fan else 0)
     assert wrong == []
@@ -280,7 +280,7 @@ def test_words_of_a_study_are_text_and_its_style_is_its_own(browser, tmp_path):
     assert tab.locator(".failed .lines").text_content() == HOSTILE
     assert tab.locator("th", has_text="onerror").count() == 1
     assert tab.locator("[onerror], [onmouseover], a[href^='javascript'], script").count() == 0
-    assert tab.evaluate("typeof window.hacked") == "undefined"
+    assert tab.evaluate("typeof window.injected") == "undefined"
     assert tab.evaluate("getComputedStyle(document.querySelector('.wide')).overflowX") == "auto"
     assert wrong == []
     tab.close()
@@ -289,13 +289,13 @@ def test_words_of_a_study_are_text_and_its_style_is_its_own(browser, tmp_path):
 def test_a_script_that_got_into_a_page_would_not_run(browser, page_file, tmp_path):
     text = page_file.read_text()
     (tmp_path / "page.html").write_text(
-        text.replace("</body>", f"<script>window.hacked = 1</script>{IMAGE}</body>")
+        text.replace("</body>", f"<script>window.injected = 1</script>{IMAGE}</body>")
     )
     tab = browser.new_page()
     refused = []
     tab.on("console", lambda message: refused.append(message.text))
     tab.goto((tmp_path / "page.html").as_uri())
     tab.wait_for_selector("#map[data-ready=yes]", timeout=20_000)
-    assert tab.evaluate("typeof window.hacked") == "undefined"
+    assert tab.evaluate("typeof window.injected") == "undefined"
     assert sum("Content Security Policy" in line for line in refused) >= 2
     tab.close()

@@ -22,8 +22,10 @@ BLOCK = 256_000_000  # bytes of the values of all members that are in memory at 
 ROUNDING = 1e-9  # of a number of members
 
 
-def exceedance(folders: Sequence[Path], grid: MapGrid, layer: str, threshold: float) -> Floats:
-    """Return the share of the members whose layer is greater than a threshold.
+def shares_over(
+    folders: Sequence[Path], grid: MapGrid, layer: str, thresholds: Sequence[float]
+) -> Floats:
+    """Return the shares of the members whose layer is greater than thresholds.
 
     Parameters
     ----------
@@ -33,63 +35,19 @@ def exceedance(folders: Sequence[Path], grid: MapGrid, layer: str, threshold: fl
     layer : str
         Where a member has none of it, it counts as 0, see
         :func:`debrisflow.study.maps.grid.layer_on`.
-    threshold : float
+    thresholds : sequence of float
         In the unit of the layer.  Depths up to ``output.layer_depth`` are not told from 0.
 
     Returns
     -------
-    (rows, columns) float64 array
-        The northernmost row first; nan where the terrain of no member has data.
+    (thresholds, rows, columns) float64 array
+        The northernmost row first; 0 off the terrain too.
 
     Raises
     ------
     OutputError
         If there is no member, or one lacks the layer.
     """
-    return _on_terrain(folders, grid, shares_over(folders, grid, layer, (threshold,))[0])
-
-
-def arrival_probability(folders: Sequence[Path], grid: MapGrid, before: float) -> Floats:
-    """Return the share of the members whose flow has arrived at a time, s, or before.
-
-    Parameters and errors are those of :func:`exceedance`, and so is what is returned.
-    """
-    return _on_terrain(folders, grid, shares_arrived(folders, grid, (before,))[0])
-
-
-def quantile_map(folders: Sequence[Path], grid: MapGrid, layer: str, share: float) -> Floats:
-    """Return the least value that a share of the members does not exceed.
-
-    Of N members in increasing order it is that at place ``ceil(share N)``: always the value of a
-    member, never one between two.  A member without the layer in a cell counts as 0.  Of the
-    arrival it is the time at which that share has arrived, inf where fewer ever do.
-
-    Parameters
-    ----------
-    folders : sequence of Path
-        Of finished members.
-    grid : MapGrid
-    layer : str
-    share : float
-        Over 0, at most 1.
-
-    Returns
-    -------
-    (rows, columns) float64 array
-        The northernmost row first; nan where the terrain of no member has data.
-
-    Raises
-    ------
-    OutputError
-        If there is no member, or one lacks the layer.
-    """
-    return _on_terrain(folders, grid, quantiles(folders, grid, layer, (share,))[0])
-
-
-def shares_over(
-    folders: Sequence[Path], grid: MapGrid, layer: str, thresholds: Sequence[float]
-) -> Floats:
-    """Return :func:`exceedance` for thresholds, (thresholds, rows, columns), 0 off the terrain."""
     counts = np.zeros((len(thresholds), *grid.shape), dtype=np.int64)
     for values in layers_on(folders, grid, layer):
         for count, threshold in zip(counts, thresholds, strict=True):
@@ -98,7 +56,10 @@ def shares_over(
 
 
 def shares_arrived(folders: Sequence[Path], grid: MapGrid, times: Sequence[float]) -> Floats:
-    """Return :func:`arrival_probability` at times, (times, rows, columns), 0 off the terrain."""
+    """Return the shares of the members whose flow has arrived at times, s, or before.
+
+    (times, rows, columns); see :func:`shares_over`.
+    """
     counts = np.zeros((len(times), *grid.shape), dtype=np.int64)
     for values in layers_on(folders, grid, ARRIVAL):
         for count, time in zip(counts, times, strict=True):
@@ -113,14 +74,21 @@ def quantiles(
     shares: Sequence[float],
     block: int = BLOCK,
 ) -> Floats:
-    """Return :func:`quantile_map` for shares, (shares, rows, columns).
+    """Return the least values that shares of the members do not exceed, (shares, rows, columns).
+
+    Of N members in increasing order it is that at place ``ceil(share N)``: always the value of a
+    member, never one between two.  A member without the layer in a cell counts as 0.  Of the
+    arrival it is the time at which that share has arrived, inf where fewer ever do.
 
     The values of all members are needed at once; they are read only for cells that a member
     reaches, and for some of these after the others.
 
     Parameters
     ----------
-    folders, grid, layer, shares
+    folders, grid, layer
+        As of :func:`shares_over`.
+    shares : sequence of float
+        Over 0, at most 1.
     block : int
         Bytes of values that are in memory at a time.
     """
@@ -187,7 +155,3 @@ def known_on(folders: Sequence[Path], grid: MapGrid) -> Flags:
         if known.all():
             break
     return known
-
-
-def _on_terrain(folders: Sequence[Path], grid: MapGrid, values: Floats) -> Floats:
-    return np.where(known_on(folders, grid), values, np.nan)
