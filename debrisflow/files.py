@@ -45,7 +45,7 @@ def _checked(state: os.stat_result, most: int) -> os.stat_result:
 def opened(path: Path, most: int = MOST_TEXT) -> BufferedReader:
     """Open a file for reading; errors as those of :func:`regular`."""
     regular(path, most)
-    # the caller closes it
+    # no with statement, as ruff wants: the caller closes it
     file = open(path, "rb", opener=lambda name, flags: os.open(name, flags | AT_ONCE))  # noqa: SIM115
     try:
         _checked(os.fstat(file.fileno()), most)  # of what was opened, if it was exchanged meanwhile

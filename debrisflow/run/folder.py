@@ -110,7 +110,7 @@ DERIVED = (
 class _LogFile(logging.FileHandler):
     """The log of a run; a message that cannot be written, as on a full disk, ends no run."""
 
-    # a name that logging calls
+    # not in the style of names here: logging calls it by this name
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
         """Drop a message; that the disk is full is told by the results."""
 

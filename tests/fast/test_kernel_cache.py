@@ -15,6 +15,7 @@ from debrisflow import _jit, _kernel_cache
 from debrisflow._kernel_cache import KernelCache, is_trusted, places
 
 NAME = "kernels-0123456789abcdef"
+# Windows has no such owners and modes, so that there is nothing to test
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="owners and modes of files are POSIX")
 
 

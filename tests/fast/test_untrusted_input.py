@@ -123,6 +123,7 @@ def _pipe(path: Path) -> None:
     os.mkfifo(path)
 
 
+# Windows cannot make what this test hands to the readers
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
 @pytest.mark.parametrize("name", READERS)
 @pytest.mark.parametrize(

@@ -37,6 +37,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     folder.mkdir()
     command = ["mount", "-t", "tmpfs", "-o", f"size={SMALL}", "tmpfs", str(folder)]
     if sys.platform != "linux" or subprocess.run(command, capture_output=True).returncode != 0:
+        # leave to mount is the system's to give; test_a_table_that_could_not_be_written needs none
         pytest.skip("mounting a file system is not allowed here")
     yield folder
     subprocess.run(["umount", str(folder)], check=True)
@@ -88,6 +89,7 @@ def test_a_folder_that_is_gone_is_told_and_not_made_again(
     assert not run.exists()
 
 
+# a device of Linux: elsewhere nothing else is full without leave to mount
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no disk that is always full")
 def test_a_table_that_could_not_be_written_is_told_once():
     series = Series(Path("/dev/full"), ("time",), ())
