@@ -17,15 +17,10 @@ import matplotlib as mpl
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from debrisflow.results.references import read_reference
-from tests.validation import (
-    dam_break,
-    dam_break3d,
-    heap3d,
-    spheric,
-    st_helens,
-    usgs_flume,
-    voellmy_slab,
-)
+from debrisflow.validation.dam_breaks import dam_break, dam_break3d, spheric
+from debrisflow.validation.debris_flows import usgs_flume, voellmy_slab
+from debrisflow.validation.field import st_helens
+from debrisflow.validation.granular import heap3d
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt

@@ -24,21 +24,15 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from validate_in_three import IN_THREE
 
-from tests.validation import (
-    collapse,
-    controls,
-    dam_break,
-    endless_bed,
-    flume,
-    granular_shear,
-    hydrostatic,
-    impact,
-    moving_walls,
-    plate_jet,
-    rough_film,
-    settling,
-    viscous,
-)
+from debrisflow.validation.at_rest import still_water as hydrostatic
+from debrisflow.validation.beds import endless_bed, settling
+from debrisflow.validation.dam_breaks import dam_break, moving_walls, plate_jet
+from debrisflow.validation.dam_breaks import zhou as impact
+from debrisflow.validation.debris_flows import collapse, flume
+from debrisflow.validation.granular import granular_shear
+from debrisflow.validation.viscous import rough_film
+from debrisflow.validation.viscous import start_up as viscous
+from tests.validation import controls
 
 TEMPERATURES = ("algebraic", "neighborhood", "fluctuation")
 STILL = {

@@ -7,20 +7,13 @@ from collections.abc import Callable
 import click
 import numpy as np
 
-from tests.validation import (
-    dam_break3d,
-    dams3d,
-    deposit3d,
-    film3d,
-    ground3d,
-    heap3d,
-    mixture_cube,
-    spheric,
-    st_helens,
-    still3d,
-    usgs_flume,
-    voellmy_slab,
-)
+from debrisflow.validation.at_rest import still_ground as ground3d
+from debrisflow.validation.at_rest import still_tank as still3d
+from debrisflow.validation.dam_breaks import dam_break3d, dams3d, spheric
+from debrisflow.validation.debris_flows import mixture_cube, usgs_flume, voellmy_slab
+from debrisflow.validation.field import st_helens
+from debrisflow.validation.granular import heap3d
+from debrisflow.validation.viscous import deposit3d, film3d
 
 STILL3D = {
     "d0 = 0.1 m, c = 22 m/s": ((), 1.0),

@@ -1,6 +1,5 @@
 """Patches of particles, their neighbors and small cases that several tests build."""
 
-from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -336,24 +335,6 @@ def acceleration_at(i, fluid, near, solid, numbers):
     return ax + g[0], ay + g[1], az + g[2], cx, cy, cz, px, py, pz, sx, sy, sz
 
 
-def endless_channel(spacing, slope, layers, **tables):
-    """Return a case: layers, as blocks without x, in a channel that repeats every 20 spacings."""
-    length = 20 * spacing
-    block = {"type": "block", "x": [0.0, length]}
-    return complete(
-        Case(
-            title="endless channel",
-            particles={"spacing": spacing},
-            gravity={"slope": slope},
-            geometry={"type": "channel", "length": length, "height": 0.5, "periodic": True},
-            fill=[block | layer for layer in layers],
-            time={"end": 10.0},
-            output={"interval": 1.0},
-            **tables,
-        )
-    )
-
-
 def tank_case(columns, rows, material, tank=None, spacing=0.01, **tables):
     """Return a case: a block in the left corner of a tank whose size is given in spacings."""
     length, height = tank or (columns, 2 * rows)
@@ -431,20 +412,6 @@ def bed_case(spacing=0.02, **tables):
 def started(case):
     """Return scheme and state of a case before its first step."""
     return scheme_of(case), initial_state(case)
-
-
-def advance(scheme, state, steps=None, until=None):
-    """Take a number of steps, or steps of about one length up to a time, and return the state."""
-    last = np.inf if steps is None else state.step + steps
-    while state.step < last and (until is None or state.time < until):
-        dt = scheme.stable_dt(state)
-        if until is not None:
-            # a last step much shorter than the others would kick: errors of density over dt^2
-            dt = (until - state.time) / ceil((until - state.time) / dt * (1.0 - 1e-12))
-        scheme.step(state, dt)
-        state.time = until if until is not None and dt == until - state.time else state.time + dt
-        state.step += 1
-    return state
 
 
 def momentum_of(particles):

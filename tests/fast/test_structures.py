@@ -22,7 +22,7 @@ from debrisflow.space.mesh_pieces import (
     top_of_structures,
 )
 from debrisflow.space.scene import faces_of
-from tests.validation.backwater import (
+from debrisflow.validation.at_rest.backwater import (
     CREST,
     DAM,
     GRID,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.validation.backwater import run_backwater
+from debrisflow.validation.at_rest.backwater import run_backwater
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.validation import (
-    controls,
-    endless_bed,
-    flume,
-)
+from debrisflow.validation.beds import endless_bed
+from debrisflow.validation.debris_flows import flume
+from tests.validation import controls
 
 
 @pytest.mark.parametrize(("friction_angle", "spacing"), [(30.0, 0.02), (35.0, 0.01)])

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.validation import dams3d, deposit3d, film3d
+from debrisflow.validation.dam_breaks import dams3d
+from debrisflow.validation.viscous import deposit3d, film3d
 
 COARSE = {"particles": {"spacing": 0.01}}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.validation import usgs_flume, voellmy_slab
+from debrisflow.validation.debris_flows import usgs_flume, voellmy_slab
 
 
 def test_the_run_out_of_a_slab_depends_little_on_its_rows():

@@ -5,19 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.validation import (
-    collapse,
-    dam_break,
-    granular_shear,
-    hydrostatic,
-    impact,
-    moving_walls,
-    plate_jet,
-    rough_film,
-    settling,
-    slurry_film,
-    viscous,
-)
+from debrisflow.validation.at_rest import still_water as hydrostatic
+from debrisflow.validation.beds import settling
+from debrisflow.validation.dam_breaks import dam_break, moving_walls, plate_jet
+from debrisflow.validation.dam_breaks import zhou as impact
+from debrisflow.validation.debris_flows import collapse
+from debrisflow.validation.granular import granular_shear
+from debrisflow.validation.viscous import rough_film, slurry_film
+from debrisflow.validation.viscous import start_up as viscous
 
 
 @pytest.fixture(scope="module")

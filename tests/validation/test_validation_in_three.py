@@ -8,18 +8,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.validation import (
-    dam_break,
-    dam_break3d,
-    ground3d,
-    heap3d,
-    mixture_cube,
-    plate_jet,
-    rough_film,
-    spheric,
-    st_helens,
-    still3d,
-)
+from debrisflow.validation.at_rest import still_ground as ground3d
+from debrisflow.validation.at_rest import still_tank as still3d
+from debrisflow.validation.dam_breaks import dam_break, dam_break3d, plate_jet, spheric
+from debrisflow.validation.debris_flows import mixture_cube
+from debrisflow.validation.field import st_helens
+from debrisflow.validation.granular import heap3d
+from debrisflow.validation.viscous import rough_film
 
 
 @pytest.mark.parametrize(

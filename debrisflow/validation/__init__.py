@@ -1,0 +1,1 @@
+"""Published experiments and closed forms that the program is compared with on any machine."""

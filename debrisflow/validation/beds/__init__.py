@@ -1,0 +1,1 @@
+"""Grains that settle, and beds of them."""

@@ -1,0 +1,1 @@
+"""Dam breaks, jets, and what strikes a wall."""

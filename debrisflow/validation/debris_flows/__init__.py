@@ -1,0 +1,1 @@
+"""Debris flows in flumes, and the cases of the study."""

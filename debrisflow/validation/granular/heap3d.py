@@ -1,0 +1,197 @@
+"""Collapse of a column of dry grains in three dimensions: run-out, rest, shape of the heap.
+
+A slab 11 spacings wide, the least that a periodic space allows, against a free-slip wall, which is
+the plane of symmetry of a column that spreads both ways.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import cKDTree
+
+from debrisflow.case import load_case, tables
+from debrisflow.neighbors.lattice import reference
+from debrisflow.validation.files import CASES
+from debrisflow.validation.marching import energy, states
+
+Floats = NDArray[np.float64]
+CASE = CASES / "heap3d.toml"
+LENGTH, ACROSS_SLAB = 0.12, 11  # L0, m; spacings
+ANGLE = 25.0  # degrees; calibrated on the run-outs
+ACROSS = {0.5: 20, 1.0: 12, 2.0: 12}  # spacings that L0 is long, by a: ten or more high
+SLOWEST = 1.0  # s, by which a heap has come to rest
+ROOM = 2.0  # run-outs of the experiments that the tank is longer than the column
+LOOSE, INSIDE = 0.93, 2.5  # of n0; spacings under the surface
+REACH, FINE = 1.0, 4  # spacings that a gap between particles is closed over; cells a spacing
+
+
+@dataclass
+class Heap:
+    """What a column of grains came to.
+
+    Attributes
+    ----------
+    case : Case
+    time, front, energy : (m,) float64 array, s, m, -
+        The front is the end of the columns a spacing wide, from the wall on without a gap, that
+        hold more than half a layer; energy is that over the one at the start.
+    frames : dict of (n, 3) float64 array, m
+        Positions by time, s, in the order of the particles' numbers.
+    number_density : (n,) float64 array
+        At the end, n / n0.
+    through_wall : int
+    """
+
+    case: tables.Case
+    time: Floats
+    front: Floats
+    energy: Floats
+    frames: dict[float, Floats]
+    number_density: Floats
+    through_wall: int
+
+    @property
+    def spacing(self) -> float:
+        return self.case.particles.spacing
+
+    @property
+    def final(self) -> Floats:
+        return self.frames[max(self.frames)]
+
+    def run_out(self) -> float:
+        """Return ``(L - L0) / L0``."""
+        return float(self.front[-1] / LENGTH - 1.0)
+
+    def body(self) -> float:
+        """Return ``(x - L0) / L0`` of the place ahead of which the heap is thinner than L0 / 10.
+
+        The tip ahead of it is a single layer, however thin, whose length depends on the spacing.
+        """
+        x, height = self.outline()
+        return float(x[height > 0.1 * LENGTH].max() / LENGTH - 1.0)
+
+    def stopped(self) -> float:
+        """Return when the front came to within a spacing of where it stays, s."""
+        far = self.front < self.front[-1] - 1.01 * self.spacing
+        return float(self.time[np.flatnonzero(far).max() + 1])
+
+    def moved(self) -> Floats:
+        """Return displacements from :data:`SLOWEST` to the end, spacings; the slab has no ends."""
+        step = self.final - self.frames[SLOWEST]
+        width = self.case.geometry.width
+        step[:, 1] -= width * np.rint(step[:, 1] / width)
+        return np.asarray(np.linalg.norm(step, axis=1)) / self.spacing
+
+    def outline(self, time: float | None = None) -> tuple[Floats, Floats]:
+        """Return x and mean height of the surface, m, at a time, s, or the end."""
+        return outline(self.case, self.final if time is None else self.frames[time])
+
+    def height(self) -> float:
+        """Return the height at the wall, over a spacing, over that of the column."""
+        final, first = (self.outline(time)[1][:FINE] for time in (None, 0.0))
+        return float(final.mean() / first.mean())
+
+    def slope(self) -> float:
+        """Return the slope of the middle half of the heap, degrees."""
+        x, height = self.outline()
+        middle = np.abs(x / self.front[-1] - 0.5) < 0.25
+        return float(np.degrees(np.arctan(-np.polyfit(x[middle], height[middle], 1)[0])))
+
+    def volume(self) -> float:
+        """Return the volume under the surface of the heap over that of the column."""
+        return float(self.outline()[1].sum() / self.outline(0.0)[1].sum())
+
+    def inside(self) -> NDArray[np.bool_]:
+        """Return which particles are well under the surface at the end."""
+        x, height = self.outline()
+        over = np.interp(self.final[:, 0], x, height) - self.final[:, 2]
+        return (over > INSIDE * self.spacing) & (self.final[:, 2] > 0.0)
+
+    def loose(self) -> float:
+        """Return the share of the particles inside with n < 0.93 n0."""
+        return float(np.mean(self.number_density[self.inside()] < LOOSE))
+
+
+def lube(ratio: float) -> float:
+    """Return the measured run-out of a column, ``(L - L0) / L0``, by its a = H / L0.
+
+    Measured up to a = 1.8 and from 2.8 on; between them, where 1.2 a is less, it is the second law.
+
+    References
+    ----------
+    Lube, Huppert, Sparks & Freundt 2005, doi:10.1103/PhysRevE.72.041301.
+    """
+    return 1.2 * ratio if ratio < 1.8 else 1.9 * ratio ** (2.0 / 3.0)
+
+
+def outline(case: tables.Case, position: Floats) -> tuple[Floats, Floats]:
+    """Return x and mean height of what particles fill, gaps of less than a particle closed, m.
+
+    A cell of a fine grid is filled if it is nearer than REACH to a particle and not within REACH -
+    d0/2 of a cell that is not.  Floor and wall are mirrors, the slab repeats.
+    """
+    d0, width = case.particles.spacing, case.geometry.width
+    images = [position + np.array([0.0, k * width, 0.0]) for k in (-1, 0, 1)]
+    images += [part * [1.0, 1.0, -1.0] for part in images]
+    images += [part * [-1.0, 1.0, 1.0] for part in images]
+    top = position.max(axis=0) / d0
+    beyond = [int(top[0]) + 3, ACROSS_SLAB + 2, int(top[2]) + 3]  # spacings
+    cells = [(np.arange(-2 * FINE, FINE * n) + 0.5) / FINE for n in beyond]
+    grid = np.stack(np.meshgrid(*cells, indexing="ij"), axis=-1)
+    distance, _ = cKDTree(np.concatenate(images) / d0).query(grid)
+    filled = distance_transform_edt(distance < REACH) > (REACH - 0.5) * FINE
+    slab = filled[2 * FINE :, 2 * FINE : -2 * FINE, 2 * FINE :]
+    return d0 * cells[0][2 * FINE :], slab.sum(axis=2).mean(axis=1) * d0 / FINE
+
+
+def build(ratio: float, across: int, end: float, changes: tuple[str, ...]) -> tables.Case:
+    """Return the case of a column ``ratio`` as high as long, at a spacing of L0 / across."""
+    spacing = LENGTH / across
+    height = spacing * round(ratio * across)
+    width = ACROSS_SLAB * spacing
+    length = spacing * round(across * (1.0 + ROOM * lube(ratio)))
+    lengths: dict[str, float | list[float]] = {
+        "particles.spacing": spacing,
+        "geometry.length": length,
+        "geometry.width": width,
+        "geometry.height": height + 2.0 * spacing,
+        "fill.0.y": [0.0, width],
+        "fill.0.z": [0.0, height],
+        "time.end": end,
+    }
+    return load_case(CASE, [*(f"{key}={value!r}" for key, value in lengths.items()), *changes])
+
+
+def reached(x: Floats, spacing: float) -> float:
+    """Return the end of the columns, from x = 0 on, with more than half a layer, m."""
+    count = np.bincount((x / spacing).astype(int))
+    return float(spacing * np.argmax(np.append(count <= 0.5 * ACROSS_SLAB, True)))
+
+
+def run(
+    ratio: float = 1.0,
+    angle: float = ANGLE,
+    across: int = 12,
+    end: float = 3.0,
+    changes: tuple[str, ...] = (),
+) -> Heap:
+    """Let a column collapse."""
+    case = build(ratio, across, end, (f"rheology.friction_angle={angle!r}", *changes))
+    lattice = reference(3, case.particles.effective_radius, case.particles.spacing)
+    frames: dict[float, Floats] = {}
+    series = []
+    for state in states(case, 0.01):
+        p = state.particles
+        order = np.argsort(p.id[p.fluid])
+        position = p.position[p.fluid][order]
+        frames[round(state.time, 2)] = position
+        series.append(
+            (state.time, reached(position[:, 0], case.particles.spacing), energy(case, state))
+        )
+    time, front, total = np.array(series).T
+    density = p.number_density[p.fluid][order] / lattice.number_density
+    return Heap(case, time, front, total / total[0], frames, density, int(state.through_wall.sum()))

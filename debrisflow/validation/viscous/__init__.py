@@ -1,0 +1,1 @@
+"""Viscous and turbulent flows, and slurries that yield."""
