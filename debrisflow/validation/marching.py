@@ -7,7 +7,7 @@ from math import ceil
 
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.particles.start import initial_state
 from debrisflow.particles.state import State
 from debrisflow.run.measures import elastic_energy, energies
@@ -15,7 +15,7 @@ from debrisflow.schemes.choice import scheme_of
 from debrisflow.schemes.scheme import Scheme
 
 
-def states(case: tables.Case, interval: float = 0.0) -> Iterator[State]:
+def states(case: ResolvedCase, interval: float = 0.0) -> Iterator[State]:
     """Yield the state at the start, and at the end of each step in which an interval, s, ends.
 
     It is one object that changes.  Steps are not shortened for the intervals; 0 is every step.
@@ -34,11 +34,12 @@ def states(case: tables.Case, interval: float = 0.0) -> Iterator[State]:
             yield state
 
 
-def energy(case: tables.Case, state: State) -> float:
+def energy(case: ResolvedCase, state: State) -> float:
     """Return kinetic, potential and elastic energy of the fluid, J, in two dimensions J/m."""
     p = state.particles
-    moving = sum(energies(case, p.position, p.velocity, p.density, p.kind))
-    return moving + elastic_energy(case, p.density, p.kind, p.compression)
+    moving = energies(case, p.position, p.velocity, p.density, p.kind)
+    stored = elastic_energy(case, p.density, p.kind, p.compression)
+    return moving.kinetic + moving.potential + stored
 
 
 def advance(

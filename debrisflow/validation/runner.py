@@ -1,0 +1,106 @@
+"""Compute levels of comparisons, several at a time, one thread each."""
+
+from __future__ import annotations
+
+import multiprocessing
+import platform
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from datetime import UTC, datetime
+from time import process_time
+from typing import NamedTuple
+
+from debrisflow import __version__
+from debrisflow.errors import DebrisflowError, OutputError
+from debrisflow.validation.comparison import Comparison, Measured
+from debrisflow.validation.register import COMPARISONS
+from debrisflow.validation.result import LevelResult, Origin, level_result
+
+
+class Task(NamedTuple):
+    """A level of a comparison, by their names, which another process knows too."""
+
+    name: str
+    label: str
+
+
+def tasks_of(chosen: Sequence[Comparison], is_quick: bool) -> list[Task]:
+    """Return the levels of comparisons that are to be computed, those that take longest first."""
+    pairs = [
+        (level.seconds, Task(one.name, level.label))
+        for one in chosen
+        for level in one.levels
+        if level.is_quick or not is_quick
+    ]
+    return [task for _, task in sorted(pairs, key=lambda pair: -pair[0])]
+
+
+def origin() -> Origin:
+    """Return when and by what a level is computed now."""
+    from debrisflow._jit import PROCESSOR
+
+    today = datetime.now(UTC).strftime("%Y-%m-%d")
+    return Origin(today, __version__, PROCESSOR, platform.python_version())
+
+
+def computed(task: Task) -> LevelResult:
+    """Compute a level on one thread and return what it gave.
+
+    Whatever goes wrong is told in the result, so that the others go on.
+    """
+    from debrisflow._jit import set_threads
+
+    set_threads(1)
+    comparison = COMPARISONS[task.name]
+    level = comparison.level(task.label)
+    start, found, failure = process_time(), Measured(()), ""
+    try:
+        found = comparison.measure(level)
+    except DebrisflowError as error:
+        failure = str(error)
+    except Exception as error:
+        failure = f"a fault of the program: {type(error).__name__}: {error}"
+    return level_result(level, found, origin(), process_time() - start, failure)
+
+
+def compute(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, LevelResult]]:
+    """Yield what tasks gave as they end.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+    workers : int
+        Processes; with one, or one task, all is computed in this one.
+
+    Raises
+    ------
+    OutputError
+        If a process was killed, as happens when memory is used up.
+    """
+    workers = min(workers, len(tasks))
+    if workers <= 1:
+        for task in tasks:
+            yield task, computed(task)
+        return
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, _leave_signals)
+    try:
+        running = {pool.submit(computed, task): task for task in tasks}
+        for done in as_completed(running):
+            yield running[done], done.result()
+    except BrokenProcessPool as error:
+        raise OutputError(
+            "a process that computed was killed, perhaps because memory was used up; compute "
+            "fewer at a time with --workers"
+        ) from error
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            process.terminate()
+
+
+def _leave_signals() -> None:
+    """Let Ctrl-C reach the first process only, which ends the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
