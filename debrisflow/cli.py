@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from debrisflow import __version__
-from debrisflow.commands import cases, results, runs, studies
+from debrisflow.commands import cases, results, runs, studies, validation
 from debrisflow.commands.console import print_error
 from debrisflow.errors import DebrisflowError, Interrupted
 
@@ -110,5 +110,6 @@ for command in (
     results.hazard,
     results.score,
     studies.sweep,
+    validation.validate,
 ):
     main.add_command(command)

@@ -84,6 +84,12 @@ class Result(NamedTuple):
         return [(level, row) for level in self.levels for row in level.rows]
 
     @property
+    def misses(self) -> list[str]:
+        """Why rows are missed, each reason once, in the order of the rows."""
+        known = [row.miss for _, row in self.rows if row.verdict is Verdict.KNOWN]
+        return list(dict.fromkeys(known))
+
+    @property
     def failures(self) -> list[str]:
         """What failed, and why."""
         return [f"{level.label}: {level.failure}" for level in self.levels if level.failure]

@@ -1,0 +1,142 @@
+"""The page of the documentation, in Markdown: what was compared, how, and what came out."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+from debrisflow.validation.comparison import Group
+from debrisflow.validation.figures import FIGURES
+from debrisflow.validation.result import Result, counts
+from debrisflow.validation.row import Row, Verdict, shown
+from debrisflow.validation.table import summary
+
+PAGE = "validation.md"
+_INTRODUCTION = """\
+This page is written by `debrisflow validate`; nothing on it is typed. Each row is a figure that was
+computed, the limit that it is held to, and the reason of the limit: the scatter of the experiment,
+the error of other codes, the resolution. A value in brackets is that of the reference. "Missed"
+means outside the limit; why, and what was tried, stands below the table. "Stated" figures are held
+to nothing. d0 is the particle spacing. Known misses count as misses.
+"""
+
+
+def page(results: Sequence[Result], figures: str = FIGURES, note: str = "") -> str:
+    """Return the page on some results.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        In the order of the register.
+    figures : str
+        Where their figures lie, from the page.
+    note : str, optional
+        A paragraph after the introduction.
+    """
+    lines = ["# Validation", "", _INTRODUCTION, *([note, ""] if note else []), *_count(results), ""]
+    for group, members in groupby(results, lambda result: result.comparison.group):
+        lines += [f"## {group.value}", ""]
+        for result in members:
+            lines += _comparison(result, figures)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _count(results: Sequence[Result]) -> Iterator[str]:
+    """Yield when and by what all was computed, and how many rows of each group are held."""
+    yield f"{computed_by(results)} In all, {summary(results)}."
+    yield ""
+    yield "| | rows with a limit | within | missed |"
+    yield "|---|---|---|---|"
+    for group, members in groupby(results, lambda result: result.comparison.group):
+        found = counts(list(members))
+        missed = found[Verdict.KNOWN] + found[Verdict.MISSED]
+        within = found[Verdict.WITHIN]
+        yield f"| [{group.value}](#{anchor(group)}) | {within + missed} | {within} | {missed} |"
+
+
+def anchor(group: Group) -> str:
+    """Return the address of the section of a group."""
+    return group.value.lower().replace(" ", "-")
+
+
+def computed_by(results: Sequence[Result]) -> str:
+    """Return when and by what results were computed, in a sentence."""
+    origins = [level.origin for result in results for level in result.levels]
+    dates = sorted({origin.date for origin in origins})
+    versions = sorted({origin.version for origin in origins})
+    processors = sorted({f"{one.processor} (Python {one.python})" for one in origins})
+    days = " to ".join(dict.fromkeys((dates[0], dates[-1]))) if dates else "never"
+    return (
+        f"Computed {days} with debrisflow {', '.join(versions)} on one thread of "
+        f"{', '.join(processors)}."
+    )
+
+
+def _comparison(result: Result, figures: str) -> Iterator[str]:
+    one = result.comparison
+    yield f"### {one.title}"
+    yield ""
+    yield f"`{one.name}`. {one.compared}"
+    yield ""
+    yield f"*Reference:* {_linked(one.reference)}. *Computed with:* {one.parameters}. "
+    yield f"*Calibrated:* {one.calibrated}."
+    yield ""
+    yield "| spacing | measure | value | limit | reason of the limit | verdict |"
+    yield "|---|---|---|---|---|---|"
+    before, misses = "", result.misses
+    for level, row in result.rows:
+        yield _row(row, "" if level.label == before else level.label, misses)
+        before = level.label
+    for failure in result.failures:
+        yield f"| {_cell(failure)} | | | | | not computed |"
+    for number, reason in enumerate(misses, 1):
+        yield ""
+        yield f"[{number}] {reason[0].upper()}{reason[1:].rstrip('.')}."
+    if one.discussion:
+        yield ""
+        yield one.discussion
+    yield ""
+    yield from _convergence(result)
+    if result.panels or len(result.convergence.steps) > 1:
+        yield f"![{one.title}]({figures}/{one.name}.png)"
+        yield ""
+
+
+def _row(row: Row, level: str, misses: list[str]) -> str:
+    verdict = row.verdict.value
+    if row.verdict is Verdict.KNOWN:
+        verdict = f"**{verdict}** [{misses.index(row.miss) + 1}]"
+    cells = (level, row.measure, row.shown_value(), row.shown_limit(), row.reason, verdict)
+    return "| " + " | ".join(map(_cell, cells)) + " |"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
+def _convergence(result: Result) -> Iterator[str]:
+    """Yield the errors of the levels, what they cost, and their order."""
+    found = result.convergence
+    if not result.comparison.error or not found.steps:
+        return
+    parts = [
+        f"{shown(step.error, '%')} at {step.label} ({shown(step.seconds, 's')})"
+        for step in found.steps
+    ]
+    yield (
+        f"*Convergence*, {result.comparison.error} (processor time): {', '.join(parts)}; "
+        f"{found.in_words()}."
+    )
+    yield ""
+
+
+def _linked(text: str) -> str:
+    """Return a reference whose DOIs are links.
+
+    Examples
+    --------
+    >>> _linked("Ritter 1892, doi:10.1/ab")
+    'Ritter 1892, [doi:10.1/ab](https://doi.org/10.1/ab)'
+    """
+    return re.sub(r"doi:(10\.[^\s,;]+[^\s,;.)])", r"[doi:\1](https://doi.org/\1)", text)
