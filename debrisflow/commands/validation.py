@@ -55,6 +55,7 @@ def validate(
 
     from debrisflow._jit import cores
     from debrisflow.validation.publication import Validation
+    from debrisflow.validation.result import plain
     from debrisflow.validation.runner import compute, tasks_of
     from debrisflow.validation.table import level_lines, summary
 
@@ -63,7 +64,7 @@ def validate(
     for task, found in compute(tasks, workers or cores()):
         comparison = run.add(task.name, found)
         if as_json:
-            print_json({"event": "level", "name": task.name} | found._replace(panels=())._asdict())
+            print_json({"event": "level", "name": task.name} | plain(found._replace(panels=())))
         else:
             click.echo("\n".join(level_lines(comparison, found)) + "\n")
     files = run.write()

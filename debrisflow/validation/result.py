@@ -150,8 +150,8 @@ def write_result(folder: Path, result: Result) -> None:
         If the operating system refuses.
     """
     name = f"{result.comparison.name}.json"
-    levels = [_plain(level._replace(panels=())) for level in result.levels]
-    drawn = {level.label: _plain(level.panels) for level in result.levels}
+    levels = [plain(level._replace(panels=())) for level in result.levels]
+    drawn = {level.label: plain(level.panels) for level in result.levels}
     for path, content in ((folder / RESULTS / name, levels), (folder / CURVES / name, drawn)):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -183,14 +183,14 @@ def read_result(folder: Path, comparison: Comparison) -> Result:
     return Result(comparison, ()).with_levels(found)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Return a record as JSON has it: tuples with names as objects, what is not finite as text."""
     if hasattr(value, "_asdict"):
-        return {name: _plain(part) for name, part in value._asdict().items()}
+        return {name: plain(part) for name, part in value._asdict().items()}
     if isinstance(value, Mapping):
-        return {name: _plain(part) for name, part in value.items()}
+        return {name: plain(part) for name, part in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
+        return [plain(part) for part in value]
     return str(value) if isinstance(value, float) and not isfinite(value) else value
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from debrisflow.run.atomic import replaced
 from debrisflow.validation.comparison import Comparison
 from debrisflow.validation.result import LevelResult, Result, counts
-from debrisflow.validation.row import Row, Verdict
+from debrisflow.validation.row import PERCENT, Row, Verdict, shown
 
 TABLE = "table.csv"
 COLUMNS = [
@@ -75,7 +75,7 @@ def summary(results: Sequence[Result]) -> str:
     failed = sum(len(result.failures) for result in results)
     parts = [f"{found[Verdict.WITHIN]} of {held} rows within their limits"]
     if held:
-        parts[0] += f" ({found[Verdict.WITHIN] / held:.0%})"
+        parts[0] += f" ({shown(found[Verdict.WITHIN] / held, PERCENT)})"
     parts.append(f"{found[Verdict.KNOWN]} missed for a known reason")
     parts.append(f"{found[Verdict.MISSED]} missed unexplained")
     if failed:
