@@ -5,7 +5,9 @@ python scripts/docs.py [--check]
 Generated are the tables of ``docs/case_file.md``, from the schema of a case, and of
 ``docs/many_runs.md``, from that of a study, which stands in ``cases/study.schema.json`` too; those
 of ``docs/run_folder.md`` and ``docs/long_runs.md``; and the pages in ``docs/cases``, from the
-shipped case files: the comment at the head of each, its values and its picture.
+shipped case files: the comment at the head of each, its values and its picture.  The page
+``docs/validation.md`` and the table of the README are made of what ``debrisflow validate -o
+docs/validation`` has left.
 """
 
 from __future__ import annotations
@@ -25,10 +27,18 @@ from debrisflow.particles.arrays import ARRAYS
 from debrisflow.run.events import FIELDS
 from debrisflow.run.folder_status import MORE_FIELDS, SEEN
 from debrisflow.study.loading import study_schema
+from debrisflow.validation.figures import FIGURES
+from debrisflow.validation.page import anchor
+from debrisflow.validation.page import page as validation_page
+from debrisflow.validation.publication import results_in
+from debrisflow.validation.result import Result
+from debrisflow.validation.table import summary
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 CASES = ROOT / "cases"
+README = ROOT / "README.md"
+VALIDATION = DOCS / "validation"
 BEGIN, END = "<!-- generated:begin -->\n", "<!-- generated:end -->\n"
 NOT_BY_HAND = "<!-- written by scripts/docs.py from cases/{}.toml; do not edit -->"
 # what the comment at the head of a case says, by the words with which it begins
@@ -40,6 +50,10 @@ TOPICS = {
     "Expect": "What to expect",
     "Takes": "Time it takes",
 }
+# what the README says of the accuracy: words, comparison, level, measure
+HEADLINES = (
+    ("still water, 20 rows: rms error of the pressure over that of the floor", "still_water"),
+)
 NOT_PARAMETERS = ("title", "time", "output", "probe")
 CHOOSING = ("type", "distribution")  # fields that choose among tables
 SCALARS = {
@@ -97,6 +111,14 @@ def pages() -> dict[Path, str]:
         DOCS / "run_folder.md": renewed("run_folder.md", arrays()),
         DOCS / "long_runs.md": renewed("long_runs.md", status_fields()),
     }
+    results = results_in(VALIDATION)
+    written[DOCS / "validation.md"] = validation_page(
+        results,
+        f"{VALIDATION.name}/{FIGURES}",
+        "What misses its limit is discussed at length, with what was tried, on the page "
+        "[Misses](misses.md).",
+    )
+    written[README] = with_headlines(README.read_text(encoding="utf-8"), results)
     cases = {path.stem: path for path in sorted(CASES.glob("*.toml"))}
     for name, path in cases.items():
         written[DOCS / "cases" / f"{name}.md"] = page_of_case(
@@ -112,6 +134,21 @@ def renewed(name: str, lines: Iterator[str]) -> str:
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
     return before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after
+
+
+def with_headlines(text: str, results: Sequence[Result]) -> str:
+    """Return the README with its table of accuracy made of results."""
+    before, rest = text.split(BEGIN)
+    after = rest.split(END)[1]
+    by_name = {result.comparison.name: result for result in results}
+    lines = ["| what | computed |", "|---|---|"]
+    for words, name, label, measure in HEADLINES:
+        result = by_name[name]
+        (row,) = (r for lv, r in result.rows if (lv.label, r.measure) == (label, measure))
+        address = f"docs/validation.md#{anchor(result.comparison.group)}"
+        lines.append(f"| [{words}]({address}) | {row.shown_value()} |")
+    lines += ["", f"In all, {summary(results)}."]
+    return before + BEGIN + "\n".join(lines) + "\n" + END + after
 
 
 def arrays() -> Iterator[str]:

@@ -55,7 +55,7 @@ def validate(
 
     from debrisflow._jit import cores
     from debrisflow.validation.publication import Validation
-    from debrisflow.validation.result import plain
+    from debrisflow.validation.result import count, plain
     from debrisflow.validation.runner import compute, tasks_of
     from debrisflow.validation.table import level_lines, summary
 
@@ -69,9 +69,8 @@ def validate(
             click.echo("\n".join(level_lines(comparison, found)) + "\n")
     files = run.write()
     if as_json:
-        counted = {verdict.value: count for verdict, count in run.counts().items()}
         listed = {"folder": str(output), "files": [str(file) for file in files]}
-        print_json({"event": RESULT} | listed | counted)
+        print_json({"event": RESULT} | listed | count(run.computed)._asdict())
     else:
         print_files(files)
         click.echo(summary(run.computed))

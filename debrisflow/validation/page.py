@@ -8,7 +8,7 @@ from itertools import groupby
 
 from debrisflow.validation.comparison import Group
 from debrisflow.validation.figures import FIGURES
-from debrisflow.validation.result import Result, counts
+from debrisflow.validation.result import Result, count
 from debrisflow.validation.row import Row, Verdict, shown
 from debrisflow.validation.table import summary
 
@@ -18,7 +18,8 @@ This page is written by `debrisflow validate`; nothing on it is typed. Each row 
 computed, the limit that it is held to, and the reason of the limit: the scatter of the experiment,
 the error of other codes, the resolution. A value in brackets is that of the reference. "Missed"
 means outside the limit; why, and what was tried, stands below the table. "Stated" figures are held
-to nothing. d0 is the particle spacing. Known misses count as misses.
+to nothing. d0 is the particle spacing. Rows on conservation (particles that are lost, energy that
+is gained) are counted apart.
 """
 
 
@@ -46,13 +47,13 @@ def _count(results: Sequence[Result]) -> Iterator[str]:
     """Yield when and by what all was computed, and how many rows of each group are held."""
     yield f"{computed_by(results)} In all, {summary(results)}."
     yield ""
-    yield "| | rows with a limit | within | missed |"
-    yield "|---|---|---|---|"
+    yield "| | rows | within | missed | checks of conservation that hold |"
+    yield "|---|---|---|---|---|"
     for group, members in groupby(results, lambda result: result.comparison.group):
-        found = counts(list(members))
-        missed = found[Verdict.KNOWN] + found[Verdict.MISSED]
-        within = found[Verdict.WITHIN]
-        yield f"| [{group.value}](#{anchor(group)}) | {within + missed} | {within} | {missed} |"
+        found = count(list(members))
+        kept = f"{found.conserved} of {found.conserved + found.not_conserved}"
+        cells = (found.held, found.within, found.known + found.missed, kept)
+        yield f"| [{group.value}](#{anchor(group)}) | {' | '.join(map(str, cells))} |"
 
 
 def anchor(group: Group) -> str:

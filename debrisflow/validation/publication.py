@@ -15,7 +15,6 @@ from debrisflow.validation.report import write_report
 from debrisflow.validation.result import (
     LevelResult,
     Result,
-    counts,
     read_result,
     write_result,
 )
@@ -78,10 +77,6 @@ class Validation:
             for name, levels in self._newer.items()
             if levels
         ]
-
-    def counts(self) -> dict[Verdict, int]:
-        """Return how many rows that were computed now have each verdict."""
-        return counts(self.computed)
 
     def write(self) -> list[Path]:
         """Write figures of what was computed now, and table, report and page of all in the folder.

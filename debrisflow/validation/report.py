@@ -11,7 +11,7 @@ from debrisflow import __version__
 from debrisflow.results.html import picture_of, write_html
 from debrisflow.validation.figures import FIGURES
 from debrisflow.validation.page import anchor, computed_by
-from debrisflow.validation.result import Result, counts
+from debrisflow.validation.result import Result, count
 from debrisflow.validation.table import summary
 
 REPORT = "report.html"
@@ -43,7 +43,7 @@ def write_report(folder: Path, results: Sequence[Result]) -> Path:
             "language": "en",
             "title": "Validation",
             "groups": groups,
-            "counts": {anchor(group): counts(members) for group, _, members in groups},
+            "counts": {anchor(group): count(members) for group, _, members in groups},
             "pictures": pictures,
             "summary": summary(results),
             "computed": computed_by(results),

@@ -135,10 +135,45 @@ def _once(curves: Sequence[Curve]) -> tuple[Curve, ...]:
     return tuple(dict.fromkeys(curves))
 
 
-def counts(results: Sequence[Result]) -> dict[Verdict, int]:
-    """Return how many rows have each verdict."""
-    verdicts = [row.verdict for result in results for _, row in result.rows]
-    return {verdict: verdicts.count(verdict) for verdict in Verdict}
+class Count(NamedTuple):
+    """How many rows with a limit are within it.
+
+    Attributes
+    ----------
+    within, known, missed : int
+        Of those that are held to a reference: within, missed for a known reason, unexplained.
+    conserved, not_conserved : int
+        Of those on conservation.
+    failures : int
+        Levels that were not computed.
+    """
+
+    within: int
+    known: int
+    missed: int
+    conserved: int
+    not_conserved: int
+    failures: int
+
+    @property
+    def held(self) -> int:
+        """Rows that are held to a reference."""
+        return self.within + self.known + self.missed
+
+
+def count(results: Sequence[Result]) -> Count:
+    """Return how many rows of results have each verdict."""
+    rows = [row for result in results for _, row in result.rows if row.has_limit]
+    physics = [row.verdict for row in rows if not row.is_conserved]
+    kept = [row.is_within for row in rows if row.is_conserved]
+    return Count(
+        within=physics.count(Verdict.WITHIN),
+        known=physics.count(Verdict.KNOWN),
+        missed=physics.count(Verdict.MISSED),
+        conserved=kept.count(True),
+        not_conserved=kept.count(False),
+        failures=sum(len(result.failures) for result in results),
+    )
 
 
 def write_result(folder: Path, result: Result) -> None:

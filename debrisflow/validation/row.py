@@ -39,6 +39,9 @@ class Row(NamedTuple):
         Why the limits are missed, and what was tried; empty if they are expected to be held.
     is_certain : bool
         Whether a known miss is one on every processor; chaos decides elsewhere.
+    is_conserved : bool
+        Whether it says that nothing was lost or made, and is no distance from a reference; such
+        rows are counted apart.
     """
 
     measure: str
@@ -50,6 +53,7 @@ class Row(NamedTuple):
     reason: str = ""
     miss: str = ""
     is_certain: bool = True
+    is_conserved: bool = False
 
     @property
     def is_within(self) -> bool:
@@ -183,9 +187,14 @@ def near(
     return Row(measure, float(value), unit, *bounds, float(expected), reason, **known)
 
 
+def conserved(measure: str, value: float, most: float, reason: str, unit: str = "") -> Row:
+    """Return the row of what is lost or made, which exact conservation would not let happen."""
+    return Row(measure, float(value), unit, high=most, reason=reason, is_conserved=True)
+
+
 def none_of(measure: str, count: float, reason: str = "exact") -> Row:
-    """Return the row of what must not happen at all."""
-    return Row(measure, float(count), "", 0.0, 0.0, reason=reason)
+    """Return the row of what must not happen at all, as particles that are lost."""
+    return Row(measure, float(count), "", 0.0, 0.0, reason=reason, is_conserved=True)
 
 
 def stated(measure: str, value: float, unit: str = "", expected: float = nan) -> Row:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from debrisflow.run.atomic import replaced
 from debrisflow.validation.comparison import Comparison
-from debrisflow.validation.result import LevelResult, Result, counts
+from debrisflow.validation.result import LevelResult, Result, count
 from debrisflow.validation.row import PERCENT, Row, Verdict, shown
 
 TABLE = "table.csv"
@@ -70,17 +70,15 @@ def _wrapped(text: str, first: str, later: str | None = None) -> list[str]:
 
 def summary(results: Sequence[Result]) -> str:
     """Return how many rows are within their limits, missed and failed."""
-    found = counts(results)
-    held = sum(found.values()) - found[Verdict.STATED]
-    failed = sum(len(result.failures) for result in results)
-    parts = [f"{found[Verdict.WITHIN]} of {held} rows within their limits"]
-    if held:
-        parts[0] += f" ({shown(found[Verdict.WITHIN] / held, PERCENT)})"
-    parts.append(f"{found[Verdict.KNOWN]} missed for a known reason")
-    parts.append(f"{found[Verdict.MISSED]} missed unexplained")
-    if failed:
-        parts.append(f"{failed} not computed")
-    return ", ".join(parts)
+    found = count(results)
+    share = f" ({shown(found.within / found.held, PERCENT)})" if found.held else ""
+    parts = [
+        f"{found.within} of {found.held} rows within their limits{share}",
+        f"{found.known} missed for a known reason",
+        f"{found.missed} missed unexplained",
+        f"{found.conserved} of {found.conserved + found.not_conserved} checks of conservation hold",
+    ]
+    return ", ".join([*parts, f"{found.failures} not computed"] if found.failures else parts)
 
 
 def write_table(folder: Path, results: Sequence[Result]) -> Path:

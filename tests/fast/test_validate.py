@@ -37,6 +37,7 @@ ROWS = (
     at_most("error of the pressure", 0.008, 0.02, "free surface of particles", "%"),
     near("front", 1.2, 1.0, "scatter", share=0.1, unit="m", miss="no gate, tried two"),
     stated("speed", 3.0, "m/s"),
+    none_of("particles lost", 0),
 )
 PANEL = Panel(
     "front", "t (s)", "x (m)", (exact([0, 1], [0, 2]), measured([0, 1], [0, 3]), computed([0], [1]))
@@ -88,7 +89,7 @@ def validate(*arguments: str, code: int = 0) -> str:
 
 def test_a_row_says_whether_it_is_within():
     verdicts = [row.verdict for row in ROWS]
-    assert verdicts == [Verdict.WITHIN, Verdict.KNOWN, Verdict.STATED]
+    assert verdicts == [Verdict.WITHIN, Verdict.KNOWN, Verdict.STATED, Verdict.WITHIN]
     assert at_least("share", 0.5, 0.4, "").verdict is Verdict.WITHIN
     assert between("slope", 3.0, 4.0, 18.4, "").verdict is Verdict.MISSED
     assert none_of("lost", 1).verdict is Verdict.MISSED
@@ -209,7 +210,7 @@ def test_a_folder_keeps_what_it_has_of_others(known, tmp_path: Path):
         assert f"](figures/{name}.png)" in text
     with (tmp_path / "table.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 3 + 9
+    assert len(rows) == 4 + 12
     assert float(rows[0]["value"]) == 0.008
     assert rows[1]["verdict"] == "missed"
 
@@ -225,7 +226,7 @@ def test_the_page_has_every_row_with_limit_reason_and_reference(known, tmp_path:
     assert text.count("[1] No gate, tried two.") == 1
     assert "[doi:10.1/tank](https://doi.org/10.1/tank)" in text
     assert "observed order 2.0" in text
-    assert "| [At rest](#at-rest) | 6 | 3 | 3 |" in text
+    assert "| [At rest](#at-rest) | 6 | 3 | 3 | 3 of 3 |" in text
 
 
 def test_the_page_of_nothing_says_so():
@@ -237,7 +238,7 @@ def test_json_has_a_line_for_each_level_and_one_for_all(known, tmp_path: Path):
     told = [json.loads(line) for line in lines]
     assert [one["event"] for one in told] == ["level"] * 3 + ["result"]
     assert told[0]["rows"][0]["measure"] == "error of the pressure"
-    assert (told[-1]["within"], told[-1]["missed"]) == (3, 3)
+    assert (told[-1]["within"], told[-1]["known"]) == (3, 3)
 
 
 def test_the_list_has_groups_names_and_times(known):
