@@ -10,6 +10,7 @@ an empty kernel cache and from a copy of the tests that holds no source of the p
 - ``debrisflow --version``;
 - ``debrisflow run``, twice, of a small dam break in two dimensions and of one in three; the second
   run must compile nothing and have the same bytes as the first;
+- ``debrisflow validate`` of an experiment, in a folder without the project;
 - the fast tests, or with ``--brief`` those of readers, tables, pictures and maps, by which packages
   are used most and which compile little.
 
@@ -35,6 +36,7 @@ import click
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "install.md"
+EXPERIMENT = "martin_moyce"  # its case and its table are in the wheel
 BEGIN, END = "<!-- matrix:begin -->\n", "<!-- matrix:end -->\n"
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
@@ -154,12 +156,13 @@ def environment(folder: Path, python: Path, version: str, resolution: str) -> Pa
 
 
 def smoke(programs: Path, cwd: Path, cache: Path) -> None:
-    """Run small cases twice, and compare.
+    """Run small cases twice, and compare; run an experiment.
 
     Raises
     ------
     FailedError
-        If a command fails, a second run compiles, or its bytes differ.
+        If a command fails, a second run compiles, its bytes differ, or an experiment is not
+        reproduced.
     """
     program = programs / "debrisflow"
     call(program, "--version", cwd=cwd, XDG_CACHE_HOME=str(cache))
@@ -176,6 +179,8 @@ def smoke(programs: Path, cwd: Path, cache: Path) -> None:
             before = kernels
         if not files[0] or files[0] != files[1]:
             raise FailedError(f"the second run of {name} has other bytes")
+    outside = cwd.parent  # the copy of the tree has cases
+    call(program, "validate", EXPERIMENT, "--quick", cwd=outside, XDG_CACHE_HOME=str(cache))
 
 
 def tested(programs: Path, cwd: Path, cache: Path, brief: bool) -> str:
