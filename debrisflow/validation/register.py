@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from debrisflow.validation.at_rest import still_water, tilted_tank
 from debrisflow.validation.comparison import Comparison, Group
 from debrisflow.validation.viscous import start_up
 
-_MODULES = (start_up,)
+_MODULES = (still_water, tilted_tank, start_up)
 
 
 def _by_name() -> dict[str, Comparison]:
