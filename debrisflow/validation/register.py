@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
-from debrisflow.validation.at_rest import still_water, tilted_tank
+from debrisflow.validation.at_rest import (
+    backwater,
+    still_ground,
+    still_tank,
+    still_water,
+    tilted_tank,
+)
 from debrisflow.validation.comparison import Comparison, Group
-from debrisflow.validation.viscous import start_up
+from debrisflow.validation.viscous import rough_film, start_up, taylor_green
 
-_MODULES = (still_water, tilted_tank, start_up)
+_MODULES = (
+    still_water,
+    tilted_tank,
+    still_tank,
+    still_ground,
+    backwater,
+    start_up,
+    taylor_green,
+    rough_film,
+)
 
 
 def _by_name() -> dict[str, Comparison]:
