@@ -10,7 +10,14 @@ from debrisflow.validation.at_rest import (
     tilted_tank,
 )
 from debrisflow.validation.comparison import Comparison, Group
-from debrisflow.validation.viscous import rough_film, start_up, taylor_green
+from debrisflow.validation.viscous import (
+    deposit3d,
+    film3d,
+    rough_film,
+    slurry_film,
+    start_up,
+    taylor_green,
+)
 
 _MODULES = (
     still_water,
@@ -21,6 +28,9 @@ _MODULES = (
     start_up,
     taylor_green,
     rough_film,
+    slurry_film,
+    film3d,
+    deposit3d,
 )
 
 

@@ -173,7 +173,7 @@ def measure(names: Sequence[str], level: Level) -> Measured:
     """Return what water over some grounds did at a level."""
     spacing = DEEPEST / level.across
     found = {name: run(name, spacing) for name in names}
-    rows = [row for name, each in found.items() for row in _rows(name, each)]
+    rows = [row for name, each in found.items() for row in _rows(name, round(level.across), each)]
     lost = sum(each.lost + each.inside for each in found.values())
     rows.append(none_of("particles lost or in the ground, all grounds", lost))
     return Measured(
@@ -183,7 +183,7 @@ def measure(names: Sequence[str], level: Level) -> Measured:
     )
 
 
-def _rows(name: str, found: StillGround) -> list[Row]:
+def _rows(name: str, rows: int, found: StillGround) -> list[Row]:
     noise = "noise of particles: a hundredth of the speed of free fall through the depth, 4 m/s"
     return [
         at_most(
@@ -193,7 +193,14 @@ def _rows(name: str, found: StillGround) -> list[Row]:
             "resolution, as in the level tank",
             "%",
         ),
-        at_most(f"{name}: rms of the mean current", 1e3 * found.current, 10.0, noise, "mm/s"),
+        at_most(
+            f"{name}: rms of the mean current",
+            1e3 * found.current,
+            10.0,
+            noise,
+            "mm/s",
+            miss=COARSE if rows < 16 and name == "slope of 30°" else "",
+        ),
         at_most(f"{name}: rms speed", 1e3 * found.speed, 30.0, noise, "mm/s"),
         between(
             f"{name}: drift of the mean height",
@@ -218,6 +225,7 @@ def _panel(name: str, found: StillGround) -> Panel:
     )
 
 
+COARSE = "Eight rows are few; it falls to 5.6 mm/s at 16 rows."
 _shared = partial(
     Comparison,
     group=Group.AT_REST,
