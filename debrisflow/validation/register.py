@@ -2,10 +2,36 @@
 
 from __future__ import annotations
 
+from debrisflow.validation.at_rest import (
+    backwater,
+    still_ground,
+    still_tank,
+    still_water,
+    tilted_tank,
+)
 from debrisflow.validation.comparison import Comparison, Group
-from debrisflow.validation.viscous import start_up
+from debrisflow.validation.viscous import (
+    deposit3d,
+    film3d,
+    rough_film,
+    slurry_film,
+    start_up,
+    taylor_green,
+)
 
-_MODULES = (start_up,)
+_MODULES = (
+    still_water,
+    tilted_tank,
+    still_tank,
+    still_ground,
+    backwater,
+    start_up,
+    taylor_green,
+    rough_film,
+    slurry_film,
+    film3d,
+    deposit3d,
+)
 
 
 def _by_name() -> dict[str, Comparison]:

@@ -5,13 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from debrisflow.case import load_case
 from debrisflow.space.gravity import gravity_vector
+from debrisflow.validation.comparison import Comparison, Group, Level, Measured
+from debrisflow.validation.curves import Panel, exact, points
 from debrisflow.validation.files import CASES
 from debrisflow.validation.marching import states
+from debrisflow.validation.row import Row, at_most, between, none_of
 
+Floats = NDArray[np.float64]
 CASE = CASES / "still_tank3d.toml"
+DEPTH, SHALLOW = 1.0, 0.2  # m
+STIFF = ("scheme.sound_speed=44.0",)  # m/s, twice the shipped one
 
 
 @dataclass
@@ -30,6 +37,8 @@ class Still3D:
         Rms.
     lost : int
         Particles, through walls or over the rim.
+    height, pressure : (n,) float64 array
+        Mean over time of each particle, over the depth and over the pressure at the floor.
     """
 
     drift: float
@@ -37,9 +46,11 @@ class Still3D:
     raw_pressure_error: float
     speed: float
     lost: int
+    height: Floats
+    pressure: Floats
 
 
-def run(overrides: tuple[str, ...] = (), depth: float = 1.0) -> Still3D:
+def run(overrides: tuple[str, ...] = (), depth: float = DEPTH) -> Still3D:
     """Run the shipped tank, with changes, and measure it; ``depth`` is that of the water, m."""
     case = load_case(CASE, overrides)
     weight = -case.water.density * gravity_vector(case)[2]
@@ -49,26 +60,29 @@ def run(overrides: tuple[str, ...] = (), depth: float = 1.0) -> Still3D:
         z = p.position[p.fluid, 2]
         if state.step == 0:
             start = z.mean()
-            summed = np.zeros(p.fluid_count)
-            reference = p.fluid_count
-        if state.time < 0.5 * case.time.end or p.fluid_count < reference:
+            heights, pressures = np.zeros((2, p.fluid_count))
+        if state.time < 0.5 * case.time.end or p.fluid_count < heights.size:
             continue
         # a particle is known by its number, since it changes rows
-        difference = p.pressure[p.fluid] - weight * (depth - z)
-        summed += difference[np.argsort(p.id[p.fluid])]
+        order = np.argsort(p.id[p.fluid])
+        heights += z[order] / depth
+        pressures += p.pressure[p.fluid][order] / (weight * depth)
         squares += float(np.mean(np.sum(p.velocity[p.fluid] ** 2, axis=1)))
         count += 1
-    error = summed / max(count, 1) / (weight * depth)
+    heights, pressures = heights / max(count, 1), pressures / max(count, 1)
+    error = pressures - (1.0 - heights)
     return Still3D(
         float(z.mean() / start - 1.0),
         float(np.std(error)),
         float(np.sqrt(np.mean(error**2))),
         float(np.sqrt(squares / max(count, 1))),
         int(state.through_wall.sum() + state.left.sum()),
+        heights,
+        pressures,
     )
 
 
-def shallow(spacing: float = 0.02, depth: float = 0.2) -> tuple[str, ...]:
+def shallow(spacing: float = 0.02, depth: float = SHALLOW) -> tuple[str, ...]:
     """Return the changes for a tank of another depth, of the same shape and the default c."""
     lengths = {
         "particles.spacing": spacing,
@@ -82,3 +96,92 @@ def shallow(spacing: float = 0.02, depth: float = 0.2) -> tuple[str, ...]:
         "time.end": 3.0,
     }
     return tuple(f"{key}={value!r}" for key, value in lengths.items())
+
+
+def measure(level: Level) -> Measured:
+    """Return what the water did at a level: as shipped, stiffer and in a small tank.
+
+    The finest level is of the shipped tank alone: a lattice of 40 rows takes minutes.
+    """
+    rows = round(level.across)
+    at = f"particles.spacing={DEPTH / rows!r}"
+    shipped = run((at,))
+    found = _rows(shipped, rows, "")
+    if rows < 40:
+        found += _rows(run((at, *STIFF)), rows, ", c doubled")
+        found += _rows(run(shallow(SHALLOW / rows), SHALLOW), rows, ", 0.2 m deep")
+    return Measured(tuple(found), shipped.pressure_error, (_panel(shipped),))
+
+
+def _rows(found: Still3D, rows: int, where: str) -> list[Row]:
+    return [
+        at_most(
+            f"rms error of the mean pressure, offset free / ρ g H{where}",
+            found.pressure_error,
+            0.03,
+            f"resolution: a row is {100.0 / rows:g} % of the depth",
+            "%",
+        ),
+        at_most(
+            f"the same with the offset{where}",
+            found.raw_pressure_error,
+            0.05 if rows < 20 else 0.03,
+            "resolution: the surface of particles lies somewhere within half a row",
+            "%",
+        ),
+        between(
+            f"drift of the mean height{where}",
+            found.drift,
+            -0.01,
+            0.01,
+            "c is chosen for 1 % of compression",
+            "%",
+        ),
+        at_most(
+            f"rms speed{where}",
+            1e3 * found.speed,
+            30.0,
+            "noise of particles: a hundredth of the speed of free fall through 0.5 m",
+            "mm/s",
+        ),
+        none_of(f"particles lost{where}", found.lost),
+    ]
+
+
+def _panel(found: Still3D) -> Panel:
+    seen = np.argsort(found.height, kind="stable")
+    return Panel(
+        "mean pressure of each particle, 1.5 to 3 s",
+        "p / ρ g H",
+        "z / H",
+        (exact([1.0, 0.0], [0.0, 1.0]), points(found.pressure[seen], found.height[seen])),
+    )
+
+
+COMPARISONS = (
+    Comparison(
+        name="still_tank",
+        title="Still water in a tank of three dimensions",
+        group=Group.AT_REST,
+        compared=(
+            "Mean pressure of every particle from 1.5 to 3 s against ρ g (H - z), mean height and "
+            "speed; as shipped, with twice the speed of sound, and in a tank 0.2 m deep."
+        ),
+        reference="closed form",
+        parameters=(
+            "tank of 0.8 m by 0.8 m, water 1 m deep, c = 22 m/s, weakly compressible, "
+            "`cases/still_tank3d.toml`"
+        ),
+        levels=(
+            Level(10, "10 rows", 3, is_quick=True),
+            Level(20, "20 rows", 40),
+            Level(40, "40 rows", 200),
+        ),
+        measure=measure,
+        error="rms error of the mean pressure, offset free / ρ g H",
+        discussion=(
+            "The particles start compressed as their weight compresses them and are shaken by a "
+            "small random displacement, so that no symmetry of the lattice holds them."
+        ),
+    ),
+)
