@@ -4,38 +4,20 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from debrisflow.case import Case, tables
+from debrisflow.case import Case, ResolvedCase
 from debrisflow.case.defaults import complete
 from debrisflow.run.measures import particle_volume
-from debrisflow.run.simulation import simulate
 from debrisflow.validation.cases import case_of
 from debrisflow.validation.files import CASES
+from debrisflow.validation.probed import Table, probed
 
 CASE = CASES / "check_dam3d.toml"
 GRAVITY, DENSITY = 9.81, 1000.0
-Table = NDArray[np.void]
 WINGS = {"left_wing": (0.0, 0.02), "right_wing": (0.05, 0.07)}  # m, beside a slit
-
-
-def series(path: Path) -> Table:
-    """Return the rows of a probe file by the names of their columns."""
-    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
-    return np.genfromtxt(lines, delimiter=",", names=True)
-
-
-def probed(case: tables.Case) -> tuple[dict[str, Any], dict[str, Table]]:
-    """Run a case and return its summary and the samples of its probes."""
-    with TemporaryDirectory() as folder:
-        summary = simulate(case, Path(folder) / "run", threads=1)
-        files = (Path(folder) / "run" / "probes").glob("*.csv")
-        return summary, {path.stem: series(path) for path in files}
 
 
 def mean_force(rows: Table, start: float) -> float:
@@ -179,7 +161,7 @@ class CheckDam:
     overtopped: float
 
 
-def build(slit: bool, overrides: dict[str, Any]) -> tables.Case:
+def build(slit: bool, overrides: dict[str, Any]) -> ResolvedCase:
     """Return the shipped case, with a slit 3 cm wide if asked for; overrides replace tables."""
     data = tomllib.loads(CASE.read_text()) | overrides
     if slit:

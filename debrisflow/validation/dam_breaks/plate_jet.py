@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.validation.cases import case_of
-from debrisflow.validation.dam_breaks.dams3d import probed
+from debrisflow.validation.probed import probed
 
 Floats = NDArray[np.float64]
 THICKNESS, SPEED, DENSITY = 0.05, 1.0, 1000.0
