@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -26,6 +27,10 @@ def series(path: Path) -> Table:
 def probed(case: ResolvedCase) -> tuple[dict[str, Any], dict[str, Table]]:
     """Run a case and return its summary and the samples of its probes."""
     with TemporaryDirectory() as folder:
-        summary = simulate(case, Path(folder) / "run", threads=1)
+        summary = simulate(case, Path(folder) / "run", threads=1, on_event=_no_bar)
         files = (Path(folder) / "run" / "probes").glob("*.csv")
         return summary, {path.stem: series(path) for path in files}
+
+
+def _no_bar(_: Mapping[str, Any]) -> None:
+    """Show nothing of a run."""

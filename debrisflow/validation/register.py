@@ -3,9 +3,33 @@
 from __future__ import annotations
 
 from debrisflow.validation.comparison import Comparison, Group
+from debrisflow.validation.dam_breaks import (
+    check_dam,
+    dam_break,
+    dam_break3d,
+    jet_on_dam,
+    koshizuka_oka,
+    moving_walls,
+    plate_jet,
+    spheric,
+    still_dam,
+    zhou,
+)
 from debrisflow.validation.viscous import start_up
 
-_MODULES = (start_up,)
+_MODULES = (
+    start_up,
+    dam_break,
+    dam_break3d,
+    koshizuka_oka,
+    zhou,
+    spheric,
+    plate_jet,
+    jet_on_dam,
+    still_dam,
+    check_dam,
+    moving_walls,
+)
 
 
 def _by_name() -> dict[str, Comparison]:
