@@ -13,6 +13,7 @@ from debrisflow.validation.dam_breaks import (
     plate_jet,
     spheric,
     still_dam,
+    wet_bed,
     zhou,
 )
 from debrisflow.validation.viscous import start_up
@@ -22,6 +23,7 @@ _MODULES = (
     dam_break,
     dam_break3d,
     koshizuka_oka,
+    wet_bed,
     zhou,
     spheric,
     plate_jet,

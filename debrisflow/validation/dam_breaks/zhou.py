@@ -186,9 +186,9 @@ _COARSE = (
 )
 _LATE = (
     "the jet that climbs the wall is three particles thick at 20 mm and loses its head, so that "
-    "the pressure rises slowly. Tried: half and a quarter of the spacing, with which the mean "
-    "comes nearer and the time of the rise does not; a rougher floor; the pressure of the fluid "
-    "before the wall, which is no nearer. What is missing is not resolution"
+    "the pressure rises slowly. Tried: half and a quarter of the spacing, which change neither the "
+    "mean nor the time of the rise; a rougher floor; the pressure of the fluid before the wall, "
+    "which is no nearer. What is missing is not resolution"
 )
 COMPARISONS = (
     Comparison(
