@@ -97,9 +97,9 @@ class Marin:
     Attributes
     ----------
     series : dict
-        By name the (n,) float64 arrays ``time``, s; ``h1`` to ``h4``, m, filled heights;
-        ``p1`` to ``p8``, Pa, by the fluid before the patch, and ``reaction_p1`` to ``reaction_p8`` by the reaction of the wall; all means
-        over 10 ms, as those of the experiment.
+        By name the (n,) float64 arrays ``time``, s; ``h1`` to ``h4``, m, filled heights; ``p1`` to
+        ``p8``, Pa, by the fluid before the patch, and ``reaction_p1`` to ``reaction_p8`` by the
+        reaction of the wall; all means over 10 ms, as those of the experiment.
     through_wall, over_rim : int
         Particles that were lost.
     energy : float
