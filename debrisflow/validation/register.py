@@ -10,6 +10,19 @@ from debrisflow.validation.at_rest import (
     tilted_tank,
 )
 from debrisflow.validation.comparison import Comparison, Group
+from debrisflow.validation.dam_breaks import (
+    check_dam,
+    dam_break,
+    dam_break3d,
+    jet_on_dam,
+    koshizuka_oka,
+    moving_walls,
+    plate_jet,
+    spheric,
+    still_dam,
+    wet_bed,
+    zhou,
+)
 from debrisflow.validation.viscous import (
     deposit3d,
     film3d,
@@ -31,6 +44,17 @@ _MODULES = (
     slurry_film,
     film3d,
     deposit3d,
+    dam_break,
+    dam_break3d,
+    koshizuka_oka,
+    wet_bed,
+    zhou,
+    spheric,
+    plate_jet,
+    jet_on_dam,
+    still_dam,
+    check_dam,
+    moving_walls,
 )
 
 

@@ -9,45 +9,54 @@ deep.  The tank is 7 a long, so that no front reaches its end before T = 3.5.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
-from debrisflow.case import tables
+from debrisflow.case import ResolvedCase
 from debrisflow.validation.cases import case_of
-from debrisflow.validation.dam_breaks.dam_break import (
+from debrisflow.validation.comparison import Comparison, Group, Level, Measured
+from debrisflow.validation.dam_breaks.fronts import (
+    AGREED,
+    CLOCK,
     GRAVITY,
     HIGH,
+    SPEEDS,
     SQUARE,
-    WIDTH,
     DamBreak,
     Experiment,
     Floats,
+    budget_rows,
     column_height,
     front,
+    front_rows,
+    height_row,
+    panels,
+    speed_row,
 )
 from debrisflow.validation.marching import energy, states
+from debrisflow.validation.row import at_most, none_of
 
 ACROSS_SLAB, LENGTH, LAST = 11, 7, 3.5
 SMOOTH = 5e-5  # m, the roughness that stands for a smooth floor: 3.3 nu / u* at u* = 0.07 m/s
 SAMPLES = 200
-SPACINGS = {HIGH: (10, 20, 30), SQUARE: (16, 32, 48)}  # particles across a
+FARTHEST = 0.5  # in T, by which a front is shifted
 
 
-def build(
-    across: int, experiment: Experiment = HIGH, scheme: dict[str, float] | None = None
-) -> tables.Case:
+def build(across: int, experiment: Experiment = HIGH) -> ResolvedCase:
     """Return the case at a spacing of a / across, until T = 3.5."""
-    spacing, high = WIDTH / across, experiment.ratio * WIDTH
+    spacing, high = experiment.width / across, experiment.ratio * experiment.width
     slab = ACROSS_SLAB * spacing
-    tank = {"length": LENGTH * WIDTH, "width": slab, "height": high + 2 * spacing}
-    block = {"x": (0.0, WIDTH), "y": (0.0, slab), "z": (0.0, high)}
+    tank = {"length": LENGTH * experiment.width, "width": slab, "height": high + 2 * spacing}
+    block = {"x": (0.0, experiment.width), "y": (0.0, slab), "z": (0.0, high)}
     return case_of(
         title="dam break of Martin & Moyce, a slab",
         particles={"spacing": spacing},
         geometry={"type": "tank3d", "periodic": True, **tank},
         walls={"floor": {"friction": {"law": "log", "roughness": SMOOTH}}},
         fill=[{"type": "block", "material": "water", **block}],
-        scheme={"type": "explicit"} | (scheme or {}),
-        time={"end": LAST / np.sqrt(experiment.ratio * GRAVITY / WIDTH)},
+        scheme={"type": "explicit"},
+        time={"end": LAST / np.sqrt(experiment.ratio * GRAVITY / experiment.width)},
         output={"interval": 1.0},
     )
 
@@ -59,19 +68,73 @@ def last_column(x: Floats, spacing: float) -> float:
     return float(spacing * np.argmax(thin))
 
 
-def run(
-    across: int, experiment: Experiment = HIGH, scheme: dict[str, float] | None = None
-) -> DamBreak:
+def run(across: int, experiment: Experiment = HIGH) -> DamBreak:
     """Run the slab at a spacing of a / across and return its series."""
-    case = build(across, experiment, scheme)
-    spacing = case.particles.spacing
-    stretch, area = experiment.ratio * WIDTH / 20, spacing**2 / ACROSS_SLAB
+    case = build(across, experiment)
+    spacing, width = case.particles.spacing, experiment.width
+    stretch, area = experiment.ratio * width / 20, spacing**2 / ACROSS_SLAB
     series = []
     for state in states(case, case.time.end / SAMPLES):
         position = state.particles.position[state.particles.fluid]
         reach = front(position[:, 0], spacing, stretch, area)
         column = last_column(position[:, 0], spacing)
-        height = column_height(position, 2, spacing)
+        height = column_height(position, 2, spacing, width)
         series.append((state.time, reach, height, energy(case, state), column))
     time, x, z, total, columns = np.array(series).T
     return DamBreak(time, x, z, total / total[0], state, experiment, columns)
+
+
+def measure(experiment: Experiment, share: float, level: Level) -> Measured:
+    """Return what a slab gave."""
+    found = run(round(level.across), experiment)
+    last = found.by_last_column()
+    most, other = 0.10, "the same by the last column of particles"
+    rows = [
+        *front_rows(found, most, 0.04, AGREED, _AHEAD, FARTHEST),
+        at_most(f"{other}, not shifted", last.front_error(), most, CLOCK, "%", miss=_AHEAD),
+        at_most(f"{other}, shifted", last.best_shift(FARTHEST)[1], 0.04, AGREED, "%"),
+        speed_row(found, share, SPEEDS),
+        height_row(found),
+        *budget_rows(found),
+        none_of("particles over the rim", found.state.left.sum()),
+    ]
+    return Measured(tuple(rows), found.best_shift(FARTHEST)[1], panels(found))
+
+
+_AHEAD = (
+    "the run has no gate and leads by 0.2 in T, as other codes do; after that shift the front is "
+    "within 4 %. Walls made of particles, which dragged the front, held this limit for the wrong "
+    "reason"
+)
+_shared = partial(
+    Comparison,
+    group=Group.DAM_BREAKS,
+    compared=(
+        "Front and height at the wall, the front by two measures, unshifted and after the best "
+        "shift in time of at most 0.5 in T."
+    ),
+    reference="Martin & Moyce 1952, doi:10.1098/rsta.1952.0006",
+    parameters=(
+        "explicit scheme; slab 11 spacings wide, periodic; logarithmic law over 0.05 mm, which "
+        "stands for a smooth floor; no gate"
+    ),
+    error="rms of the front after the best shift / Z",
+)
+COMPARISONS = (
+    _shared(
+        name="martin_moyce3d",
+        title="Column of Martin & Moyce, n² = 2, three dimensions",
+        levels=(Level(10, "a/10", 8, is_quick=True), Level(20, "a/20", 70), Level(30, "a/30", 300)),
+        measure=partial(measure, HIGH, 0.08),
+    ),
+    _shared(
+        name="martin_moyce3d_square",
+        title="Square column of Martin & Moyce, n² = 1, three dimensions",
+        levels=(Level(16, "a/16", 5, is_quick=True), Level(32, "a/32", 45), Level(48, "a/48", 200)),
+        measure=partial(measure, SQUARE, 0.12),
+        discussion=(
+            "The late speed is 11 % too high at all spacings; the front starts at once where that "
+            "of the experiment waits for its gate."
+        ),
+    ),
+)

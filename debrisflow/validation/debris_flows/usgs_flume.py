@@ -30,8 +30,8 @@ from numpy.typing import NDArray
 from debrisflow.case import load_case
 from debrisflow.results.references import read_reference
 from debrisflow.run.simulation import simulate
-from debrisflow.validation.dam_breaks.dams3d import series
 from debrisflow.validation.files import CASES
+from debrisflow.validation.probed import series
 
 Floats = NDArray[np.float64]
 TABLES = {"sgm": "usgs_flume_sgm.csv", "sg_smooth": "usgs_flume_sg_smooth.csv"}
