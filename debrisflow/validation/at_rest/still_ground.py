@@ -247,7 +247,7 @@ COMPARISONS = (
         compared=_COMPARED + "planes of 15 and 30°.",
         levels=(
             Level(8, "8 rows", 2, is_quick=True),
-            Level(16, "16 rows", 20, is_quick=True),
+            Level(16, "16 rows", 13, is_quick=True),
             Level(32, "32 rows", 350),
         ),
         measure=partial(measure, ("slope of 15°", "slope of 30°")),
@@ -261,7 +261,7 @@ COMPARISONS = (
         title="Still water over curved ground",
         compared=_COMPARED + "a bump, a valley and a bowl.",
         levels=(
-            Level(16, "16 rows", 40, is_quick=True),
+            Level(16, "16 rows", 28, is_quick=True),
             Level(20, "20 rows", 100),
             Level(24, "24 rows", 200),
         ),

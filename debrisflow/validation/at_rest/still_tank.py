@@ -173,7 +173,7 @@ COMPARISONS = (
             "`cases/still_tank3d.toml`"
         ),
         levels=(
-            Level(10, "10 rows", 3, is_quick=True),
+            Level(10, "10 rows", 5, is_quick=True),
             Level(20, "20 rows", 40),
             Level(40, "40 rows", 200),
         ),

@@ -232,8 +232,8 @@ COMPARISONS = (
         parameters="tank of 0.2 m by 0.2 m, two dimensions, `cases/hydrostatic2d.toml`",
         levels=(
             Level(10, "10 rows", 1, is_quick=True),
-            Level(20, "20 rows", 4, is_quick=True),
-            Level(40, "40 rows", 30),
+            Level(20, "20 rows", 2, is_quick=True),
+            Level(40, "40 rows", 11),
         ),
         measure=measure_water,
         error="rms error of the pressure / pressure at the floor",
@@ -257,7 +257,7 @@ COMPARISONS = (
             "with drag between the phases (Wen & Yu)"
         ),
         levels=(
-            Level(20, "20 rows", 8, is_quick=True),
+            Level(20, "20 rows", 5, is_quick=True),
             Level(40, "40 rows", 60),
             Level(80, "80 rows", 400),
         ),

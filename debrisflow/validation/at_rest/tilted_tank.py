@@ -246,9 +246,9 @@ COMPARISONS = (
             "in the middle, two dimensions"
         ),
         levels=(
-            Level(10, "10 rows", 1, is_quick=True),
-            Level(20, "20 rows", 4, is_quick=True),
-            Level(40, "40 rows", 20),
+            Level(10, "10 rows", 2, is_quick=True),
+            Level(20, "20 rows", 5, is_quick=True),
+            Level(40, "40 rows", 30),
         ),
         measure=measure,
         error="rms error of the pressure / pressure in the deepest corner",

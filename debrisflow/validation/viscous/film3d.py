@@ -240,7 +240,7 @@ COMPARISONS = (
         ),
         parameters=f"{_SLURRY}, viscosity 20 Pa s",
         levels=(
-            Level(10, "10 rows", 37, is_quick=True),
+            Level(10, "10 rows", 37),
             Level(15, "15 rows", 140),
             Level(20, "20 rows", 450),
         ),
@@ -255,7 +255,7 @@ COMPARISONS = (
         ),
         parameters=f"{_SLURRY}, K = 60 Pa s^½, n = 0.5",
         levels=(
-            Level(10, "10 rows", 18),
+            Level(10, "10 rows", 18, is_quick=True),
             Level(15, "15 rows", 90),
             Level(20, "20 rows", 290),
         ),

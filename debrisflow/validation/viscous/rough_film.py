@@ -256,7 +256,7 @@ COMPARISONS = (
         levels=(
             Level(1, "1 row", 4, is_quick=True),
             Level(2, "2 rows", 7, is_quick=True),
-            Level(4, "4 rows", 18, is_quick=True),
+            Level(4, "4 rows", 18),
             Level(8, "8 rows", 50),
         ),
         measure=partial(measure_film, 2),

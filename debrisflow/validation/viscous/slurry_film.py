@@ -165,7 +165,7 @@ COMPARISONS = (
         reference=_BALMFORTH,
         parameters=f"{_SLURRY}, viscosity 20 Pa s; two dimensions, semi-implicit",
         levels=(
-            Level(10, "10 rows", 3, is_quick=True),
+            Level(10, "10 rows", 4),
             Level(20, "20 rows", 7, is_quick=True),
             Level(40, "40 rows", 50),
         ),
@@ -177,7 +177,7 @@ COMPARISONS = (
         reference=_BALMFORTH,
         parameters=f"{_SLURRY}, consistency 40 Pa s^½, n = 0.5; two dimensions, semi-implicit",
         levels=(
-            Level(10, "10 rows", 3, is_quick=True),
+            Level(10, "10 rows", 4),
             Level(20, "20 rows", 8, is_quick=True),
             Level(40, "40 rows", 60),
         ),
@@ -192,7 +192,7 @@ COMPARISONS = (
             "far apart: with those of glass beads 1 % of the pressure makes 9 % of the speed"
         ),
         levels=(
-            Level(10, "10 rows", 4, is_quick=True),
+            Level(10, "10 rows", 4),
             Level(20, "20 rows", 12, is_quick=True),
             Level(40, "40 rows", 100),
         ),
