@@ -14,7 +14,7 @@ from debrisflow.validation.cases import case_of
 from debrisflow.validation.comparison import Comparison, Group, Level, Measured
 from debrisflow.validation.curves import Curve, Panel, computed, exact, points
 from debrisflow.validation.marching import advance
-from debrisflow.validation.row import Row, at_most, near, none_of
+from debrisflow.validation.row import Row, at_most, near, none_of, stated
 
 Floats = NDArray[np.float64]
 LENGTH, SPEED, DENSITY = 1.0, 1.0, 1000.0  # m, m/s, kg/m3
@@ -32,7 +32,7 @@ class Vortices(NamedTuple):
     time : (n,) float64 array
         ``8 pi^2 nu t / L^2``.
     energy : (n,) float64 array
-        Kinetic, over that of the closed form at the start.
+        Kinetic, over that at the start.
     error : (n,) float64 array
         Rms over the particles of the velocity less that of the closed form, over its rms.
     x, v : (m,) float64 arrays
@@ -80,12 +80,21 @@ def box(rows: int, reynolds: float) -> ResolvedCase:
     )
 
 
-def run(rows: int, reynolds: float) -> Vortices:
-    """Let the vortices decay; they start on the lattice with the velocity of the closed form."""
+def run(rows: int, reynolds: float, is_stirred: bool = False) -> Vortices:
+    """Let the vortices decay.
+
+    They start with the velocity of the closed form, the particles on their lattice or where
+    vortices have carried them before.
+    """
     case = box(rows, reynolds)
     scheme, state = SemiImplicit(case), initial_state(case)
     p = state.particles
     count = p.fluid_count
+    if is_stirred:
+        for until in (0.5, 1.0):
+            p.velocity[p.fluid, :2] = velocity(p.position[p.fluid], 0.0)
+            advance(scheme, state, until=until * LENGTH / SPEED)
+        state.time = 0.0
     p.velocity[p.fluid, :2] = velocity(p.position[p.fluid], 0.0)
     rate = 8.0 * np.pi**2 * SPEED / (reynolds * LENGTH)
     times, found = np.linspace(0.0, END, SAMPLES + 1), []
@@ -94,13 +103,12 @@ def run(rows: int, reynolds: float) -> Vortices:
             advance(scheme, state, until=tau / rate)
         place, u = p.position[p.fluid], p.velocity[p.fluid, :2]
         off = u - velocity(place, tau)
-        energy = np.sum(u**2) / (0.5 * SPEED**2 * count)
-        found.append((energy, np.sqrt(2.0 * np.mean(np.sum(off**2, axis=1))) * np.exp(tau)))
+        found.append((np.sum(u**2), np.sqrt(2.0 * np.mean(np.sum(off**2, axis=1))) * np.exp(tau)))
     energy, error = np.array(found).T
     near_middle = np.abs(place[:, 1] - 0.25 * LENGTH) < LENGTH / rows
     return Vortices(
         times,
-        energy,
+        energy / energy[0],
         error / SPEED,
         place[near_middle, 0] / LENGTH,
         u[near_middle, 1] / SPEED,
@@ -112,6 +120,14 @@ def measure(level: Level) -> Measured:
     """Return what vortices of all Reynolds numbers did at a level."""
     found = {reynolds: run(round(level.across), reynolds) for reynolds in REYNOLDS}
     rows = [row for reynolds, each in found.items() for row in _rows(reynolds, each, level)]
+    stirred = run(round(level.across), REYNOLDS[-1], is_stirred=True)
+    rows.append(
+        stated(
+            f"Re = {REYNOLDS[-1]:g}: viscosity, likewise, of particles stirred before",
+            stirred.viscosity,
+            expected=1.0,
+        )
+    )
     rows.append(none_of("particles lost", sum(each.lost for each in found.values())))
     return Measured(tuple(rows), float(found[REYNOLDS[0]].error.max()), _panels(found))
 
@@ -166,10 +182,10 @@ def _profile(found: Vortices, x: Floats, across: Floats) -> tuple[Curve, ...]:
 
 MISS = (
     "The lattice on which the particles start resists shear, in proportion to the pressure, until "
-    "it has melted; once they have been stirred, the energy at Re = 100 and 40 spacings is 0.59 of "
-    "the closed form at the end instead of 0.31. Tried without gain: half the spacing, a quarter "
-    "of the step, implicit viscosity; without relaxation of the density 0.82 instead of 0.76 at "
-    "Re = 10."
+    "it has melted; that is a part of it: of particles stirred before, the viscosity at Re = 100 "
+    "and 40 spacings is 1.26 instead of 1.43. The cause of the rest is not known. "
+    "Tried without gain: half the spacing, a quarter of the step, implicit viscosity; without "
+    "relaxation of the density Re = 10 keeps 0.82 instead of 0.76 of the energy."
 )
 AT_WALLS = (
     "Half of its square is in the row beside the walls; implicit viscosity, which has images of "
