@@ -76,6 +76,8 @@ class StillGround:
         Of the mean height in the last half, over the depth.
     lost, inside : int
         Particles that left or went through a wall; found in the ground by a tenth of a spacing.
+    level : float, m
+        Of the surface, by the volume of the particles.
     position, pressure : arrays, m, Pa
         Of the particles at the end.
     """
@@ -86,16 +88,16 @@ class StillGround:
     drift: float
     lost: int
     inside: int
+    level: float
     position: Floats
     pressure: Floats
 
 
-def build(spacing: float, end: float, is_wide: bool) -> ResolvedCase:
+def build(spacing: float, width: float, end: float) -> ResolvedCase:
     """Return the case: water on a level floor, which the ground then covers."""
-    width = LENGTH if is_wide else ACROSS * spacing
     block = {"type": "block", "x": (0.0, LENGTH), "y": (0.0, width), "z": (0.0, LEVEL)}
     smooth = {"slip": "free-slip"}
-    tank = {"type": "tank3d", "periodic": not is_wide, "length": LENGTH, "width": width}
+    tank = {"type": "tank3d", "periodic": width < LENGTH, "length": LENGTH, "width": width}
     return case_of(
         title="still water over a ground",
         particles={"spacing": spacing},
@@ -131,10 +133,18 @@ def start(case: ResolvedCase, ground: HeightField) -> State:
     return state
 
 
+def level_of(volume: float, shape: Shape, width: float) -> float:
+    """Return the level, m, of water of a volume, m3, that covers all of a ground."""
+    count = 200
+    x, y = (size * (np.arange(count) + 0.5) / count for size in (LENGTH, width))
+    return float(shape(*np.meshgrid(x, y)).mean() + volume / (LENGTH * width))
+
+
 def run(name: str, spacing: float, end: float = END) -> StillGround:
     """Let water lie over a ground, and measure what it does."""
     is_wide = name == "bowl"
-    case, ground = build(spacing, end, is_wide), ground_of(SHAPES[name])
+    width = LENGTH if is_wide else ACROSS * spacing
+    case, ground = build(spacing, width, end), ground_of(SHAPES[name])
     state, scheme = start(case, ground), Explicit(case, ground)
     scheme.fill_number_density(state)
     size = np.array((LENGTH, LENGTH, 1.2 * LEVEL))
@@ -164,6 +174,7 @@ def run(name: str, spacing: float, end: float = END) -> StillGround:
         drift=float((heights[-1] - heights[0]) / DEEPEST),
         lost=int(state.through_wall.sum() + state.left.sum()),
         inside=int(np.count_nonzero(distances(position, ground) < -0.1 * spacing)),
+        level=level_of(p.fluid_count * spacing**3, SHAPES[name], width),
         position=position,
         pressure=p.pressure[p.fluid].copy(),
     )
@@ -214,7 +225,7 @@ def _rows(name: str, rows: int, found: StillGround) -> list[Row]:
 
 
 def _panel(name: str, found: StillGround) -> Panel:
-    depth = LEVEL - found.position[:, 2]
+    depth = found.level - found.position[:, 2]
     seen = np.argsort(depth, kind="stable")
     line = np.array([0.0, DEEPEST])
     return Panel(
@@ -240,6 +251,10 @@ _COMPARED = (
     "Pressure, mean over 2 to 4 s in cells of two spacings, against ρ g (H - z); current, speed "
     "and drift against none, over "
 )
+_LEVEL = (
+    "The lattice cannot fill what is left above a ground, so that the level, which the figures "
+    "take from the volume of the particles, is half a spacing below 1 m, and the offset is free."
+)
 COMPARISONS = (
     _shared(
         name="still_slope",
@@ -253,7 +268,7 @@ COMPARISONS = (
         measure=partial(measure, ("slope of 15°", "slope of 30°")),
         discussion=(
             "A ground is a smooth surface without particles. What is wrong with its share in the "
-            "sums around a particle would drive a current along it."
+            "sums around a particle would drive a current along it. " + _LEVEL
         ),
     ),
     _shared(
@@ -268,7 +283,7 @@ COMPARISONS = (
         measure=partial(measure, ("bump", "valley", "bowl")),
         discussion=(
             "Radii of curvature: 0.25 m, of the bowl 0.5 m. That is 5 spacings at 16 rows, the "
-            "least that the ground follows; coarser, it would be taken as less curved."
+            "least that the ground follows; coarser, it would be taken as less curved. " + _LEVEL
         ),
     ),
 )

@@ -111,7 +111,14 @@ def measure(law: str, level: Level) -> Measured:
     rms = float(np.sqrt(np.mean(off**2)))
     reason = "resolution, and rows that pass each other, which make the speed fluctuate by 2 %"
     figures = (
-        at_most("rms error of the profile / speed of the surface", rms, 0.03, reason, "%"),
+        at_most(
+            "rms error of the profile / speed of the surface",
+            rms,
+            0.03,
+            reason,
+            "%",
+            miss=FEW_ROWS if law == "herschel-bulkley" and rows == 10 else "",
+        ),
         at_most(
             "greatest error of a row / speed of the surface",
             float(np.abs(off).max()),
@@ -128,6 +135,9 @@ def measure(law: str, level: Level) -> Measured:
         ),
     )
     return Measured(figures, rms, (_panel(law, off),))
+
+
+FEW_ROWS = "The sheared layer is thin, and ten rows are few for it; twice as many hold it."
 
 
 def _panel(law: str, off: Floats) -> Panel:
