@@ -93,11 +93,17 @@ class StillGround:
     pressure: Floats
 
 
-def build(spacing: float, width: float, end: float) -> ResolvedCase:
+def width_of(spacing: float, is_wide: bool) -> float:
+    """Return the width of the tank, m."""
+    return LENGTH if is_wide else ACROSS * spacing
+
+
+def build(spacing: float, end: float, is_wide: bool) -> ResolvedCase:
     """Return the case: water on a level floor, which the ground then covers."""
+    width = width_of(spacing, is_wide)
     block = {"type": "block", "x": (0.0, LENGTH), "y": (0.0, width), "z": (0.0, LEVEL)}
     smooth = {"slip": "free-slip"}
-    tank = {"type": "tank3d", "periodic": width < LENGTH, "length": LENGTH, "width": width}
+    tank = {"type": "tank3d", "periodic": not is_wide, "length": LENGTH, "width": width}
     return case_of(
         title="still water over a ground",
         particles={"spacing": spacing},
@@ -143,8 +149,7 @@ def level_of(volume: float, shape: Shape, width: float) -> float:
 def run(name: str, spacing: float, end: float = END) -> StillGround:
     """Let water lie over a ground, and measure what it does."""
     is_wide = name == "bowl"
-    width = LENGTH if is_wide else ACROSS * spacing
-    case, ground = build(spacing, width, end), ground_of(SHAPES[name])
+    case, ground = build(spacing, end, is_wide), ground_of(SHAPES[name])
     state, scheme = start(case, ground), Explicit(case, ground)
     scheme.fill_number_density(state)
     size = np.array((LENGTH, LENGTH, 1.2 * LEVEL))
@@ -174,7 +179,7 @@ def run(name: str, spacing: float, end: float = END) -> StillGround:
         drift=float((heights[-1] - heights[0]) / DEEPEST),
         lost=int(state.through_wall.sum() + state.left.sum()),
         inside=int(np.count_nonzero(distances(position, ground) < -0.1 * spacing)),
-        level=level_of(p.fluid_count * spacing**3, SHAPES[name], width),
+        level=level_of(p.fluid_count * spacing**3, SHAPES[name], width_of(spacing, is_wide)),
         position=position,
         pressure=p.pressure[p.fluid].copy(),
     )
