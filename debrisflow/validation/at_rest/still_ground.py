@@ -200,7 +200,7 @@ def measure(names: Sequence[str], level: Level) -> Measured:
 
 
 def _rows(name: str, rows: int, found: StillGround) -> list[Row]:
-    noise = "noise of particles: a hundredth of the speed of free fall through the depth, 4 m/s"
+    noise = "noise of particles: under a hundredth of the speed of free fall"
     return [
         at_most(
             f"{name}: rms error of the mean pressure, offset free / that of the depth",
@@ -223,7 +223,7 @@ def _rows(name: str, rows: int, found: StillGround) -> list[Row]:
             found.drift,
             -0.01,
             0.01,
-            "c is chosen for 1 % of compression",
+            "the mean compression under its own weight, g H / 2 c², is 1 %",
             "%",
         ),
     ]
@@ -247,7 +247,7 @@ _shared = partial(
     group=Group.AT_REST,
     reference="closed form: ρ g (H - z), and nothing moves",
     parameters=(
-        "slab 1 m long, 11 spacings wide and periodic across (the bowl: 1 m wide), water up to "
+        "slab 1 m long, 11 spacings wide and periodic across (a bowl: 1 m wide), water up to "
         "0.8 m deep, ground without friction, c = 22 m/s, weakly compressible"
     ),
     error="greatest of the rms errors of the mean pressure / that of the depth",

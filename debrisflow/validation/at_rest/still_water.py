@@ -158,7 +158,7 @@ def _common(found: Still, where: str = "") -> list[Row]:
             f"noise of the pressure at the floor / the same{where}",
             found.floor_noise,
             0.01,
-            "a fraction of a row of water; probes in experiments resolve 0.1 to 1 %",
+            "pressure transducers are accurate to 0.1 to 1 %",
             "%",
         ),
         between(
@@ -195,7 +195,7 @@ def _layer_rows(found: Still, where: str) -> list[Row]:
 
 def _slope_rows(found: Still, level: Level) -> list[Row]:
     miss = "the lattice of the lower layer packs by 3 %, and two of its rows are left for the fit"
-    reason = "packing: a lattice that rearranges under the load changes its spacing by 1 to 2 %"
+    reason = "packing: rows that rearrange under their load come closer by a percent or two"
     densities = ("lower", 2650.0, miss if level.across < 40 else ""), ("upper", 1000.0, "")
     return [
         near(
@@ -238,9 +238,9 @@ COMPARISONS = (
         measure=measure_water,
         error="rms error of the pressure / pressure at the floor",
         discussion=(
-            "The surface of particles lies somewhere within half a row of the nominal one, which "
-            "no error of the pressure can be much less than. The particles start on a lattice, "
-            "as they would not come to rest after a flow."
+            "Half a row, by which the surface of particles is uncertain, is 1.25 to 5 % of the depth; "
+            "the level is better than that. The particles start on a lattice, in better order than "
+            "a flow leaves them."
         ),
     ),
     Comparison(

@@ -163,7 +163,7 @@ def measure(level: Level) -> Measured:
             f"force on the {name} wall" if name != "floor" else "force on the floor",
             found.force[name],
             known[name],
-            "resolution and leakage of probes in experiments; as of the level tank",
+            "resolution: half a row of 20 makes 5 % of the force",
             share=0.03,
             unit="N/m",
         )

@@ -226,7 +226,7 @@ _shared = partial(
     error="greatest rms error of the profiles / speed of the plug",
     discussion=(
         "The film starts from rest. The spacings are close to each other, since half of one takes "
-        "sixteen times as long. Where the speed has its kink, one row belongs to both sides."
+        "sixteen times as long. Where the film yields, one row belongs to plug and shear."
     ),
 )
 _SLURRY = "mixture 0.1 m deep on 10°, 0.16 m wide, weakly compressible"
