@@ -238,9 +238,9 @@ COMPARISONS = (
         measure=measure_water,
         error="rms error of the pressure / pressure at the floor",
         discussion=(
-            "Half a row, by which the surface of particles is uncertain, is 1.25 to 5 % of the depth; "
-            "the level is better than that. The particles start on a lattice, in better order than "
-            "a flow leaves them."
+            "Half a row, by which the surface of particles is uncertain, is 1.25 to 5 % of the "
+            "depth; the level is better than that. The particles start on a lattice, in better "
+            "order than a flow leaves them."
         ),
     ),
     Comparison(
