@@ -14,6 +14,7 @@ from debrisflow.validation.dam_breaks import (
     check_dam,
     dam_break,
     dam_break3d,
+    gate,
     jet_on_dam,
     koshizuka_oka,
     moving_walls,
@@ -54,6 +55,7 @@ _MODULES = (
     jet_on_dam,
     still_dam,
     check_dam,
+    gate,
     moving_walls,
 )
 

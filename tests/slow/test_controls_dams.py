@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from debrisflow.validation.dam_breaks import check_dam, moving_walls
+from debrisflow.validation.dam_breaks import check_dam, gate
 from debrisflow.validation.dam_breaks.wet_bed import HIGH, LOW, stoker
 
 SPACING = 0.01
 
 
 def test_a_gate_drawn_ever_faster_comes_to_none():
-    fronts = [moving_walls.front_after(speed, SPACING) for speed in (1.0, 4.0, 64.0)]
-    none = moving_walls.front_after(None, SPACING)
+    fronts = [gate.front_after(speed, SPACING) for speed in (1.0, 4.0, 64.0)]
+    none = gate.front_after(None, SPACING)
     assert fronts[0] < fronts[1] < fronts[2] < none
     assert none - fronts[2] < 0.5 * SPACING
 

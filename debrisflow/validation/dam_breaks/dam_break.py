@@ -158,8 +158,9 @@ COMPARISONS = (
         measure=measure,
         error="rms of the front after the best shift / Z",
         discussion=(
-            "The front is where the layer is half of a/16 thick. The error after the shift does "
-            "not fall with the spacing: 2 to 3 % is what the reading of the front and the law of "
+            "The front is where the layer is half of a/16 thick. The run at a/32 goes on to 2 s, "
+            "which is most of its time. The error after the shift does not fall with the spacing: "
+            "2 to 3 % is what the reading of the front and the law of "
             "the wall leave."
         ),
     ),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.state import State
 from debrisflow.results.references import read_reference
-from debrisflow.validation.curves import Panel, computed, measured
+from debrisflow.validation.curves import Curve, Panel, computed, measured
 from debrisflow.validation.files import CASES, REFERENCES
 from debrisflow.validation.marching import energy, states
 from debrisflow.validation.row import Row, at_most, near, none_of, stated
@@ -28,6 +28,10 @@ WINDOW = 0.84, 3.33
 """T within which fronts are compared: from where the front has moved by a quarter of a."""
 LATE = 1.4
 """T from which on the front moves steadily."""
+BEFORE_WALL = 0.1
+"""In Z, where the front is no longer free."""
+DRAWN = 1.2
+"""Of the time of the last reading, until when runs are drawn."""
 LAST_HEIGHT = 2.45
 """tau until which heights are compared."""
 ROUNDING = 1e-3
@@ -44,13 +48,26 @@ SPEEDS = "two experiments with the column of n² = 2 differ by 22 % in it, 1.08 
 
 
 class Experiment(NamedTuple):
-    """A column: its width a, m; its height over a, n^2; where its tables are; dZ/dT from 1.4 on."""
+    """A column.
+
+    Attributes
+    ----------
+    width, ratio : float, int
+        a, m, and the height over it, n^2.
+    front, height : Path or None
+        Tables.
+    slope : float
+        dZ/dT from T = 1.4 on.
+    wall : float
+        Z of the far wall.
+    """
 
     width: float
     ratio: int
     front: Path
     height: Path | None
     slope: float
+    wall: float = np.inf
 
     def scaled_time(self, time: Floats) -> Floats:
         """Return T of times, s."""
@@ -156,9 +173,10 @@ class DamBreak:
         return float(shifts[best]), errors[best]
 
     def slope(self) -> float:
-        """Return dZ/dT from T = 1.4 to 3.33 or the last reading."""
+        """Return dZ/dT from T = 1.4 to 3.33, the last reading or shortly before the far wall."""
         last = min(WINDOW[1], self.experiment.fronts()[0].max() + ROUNDING)
         inside = (self.scaled_time > LATE) & (self.scaled_time < last)
+        inside &= self.scaled_front < self.experiment.wall - BEFORE_WALL
         return float(np.polyfit(self.scaled_time[inside], self.scaled_front[inside], 1)[0])
 
     def height_error(self) -> float:
@@ -250,14 +268,17 @@ def gained(greatest: float) -> Row:
 def panels(found: DamBreak) -> tuple[Panel, ...]:
     """Return the front over time, and the height where it was measured."""
     experiment = found.experiment
-    ahead = Panel(
-        "front",
-        "T = n t √(g/a)",
-        "Z = x / a",
-        (measured(*experiment.fronts()), computed(found.scaled_time, found.scaled_front)),
-    )
+    t, tau = found.scaled_time, found.time * np.sqrt(GRAVITY / experiment.width)
+    read = experiment.fronts()
+    curves = measured(*read), _drawn(t, found.scaled_front, read[0])
+    ahead = Panel("front", "T = n t √(g/a)", "Z = x / a", curves)
     if experiment.height is None:
         return (ahead,)
-    tau = found.time * np.sqrt(GRAVITY / experiment.width)
-    curves = measured(*experiment.heights()), computed(tau, found.scaled_height)
+    read = experiment.heights()
+    curves = measured(*read), _drawn(tau, found.scaled_height, read[0])
     return (ahead, Panel("height at the wall", "τ = t √(g/a)", "H / H(0)", curves))
+
+
+def _drawn(time: Floats, values: Floats, readings: Floats) -> Curve:
+    early = time <= DRAWN * readings.max()
+    return computed(time[early], values[early])

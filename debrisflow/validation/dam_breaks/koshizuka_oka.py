@@ -21,14 +21,14 @@ from debrisflow.validation.dam_breaks.fronts import (
 )
 
 CASE = EXPERIMENTS / "koshizuka_oka.toml"
-WIDTH = 0.146
+WIDTH, WALL = 0.146, 4.0  # m, Z
 _unfitted = partial(Experiment, WIDTH, 2, CASE.with_suffix(".csv"), None)
 
 
 def experiment() -> Experiment:
     """Return the column, with the late speed of its front fitted to the readings."""
     t, z = _unfitted(np.nan).fronts()
-    return _unfitted(float(np.polyfit(t[t > LATE], z[t > LATE], 1)[0]))
+    return _unfitted(float(np.polyfit(t[t > LATE], z[t > LATE], 1)[0]), WALL)
 
 
 def measure(level: Level) -> Measured:

@@ -1,9 +1,7 @@
-"""Walls that move, in two dimensions: gates that are drawn, a sluice, a piston, and waves.
+"""A piston that drives a bore, and a standing wave, in two dimensions.
 
 All walls are smooth.  Closed forms:
 
-- the discharge under a gate drawn a above a floor, ``C_c a sqrt(2 g (H - C_c a))``, with the
-  contraction of a free jet, ``C_c = pi / (pi + 2)``, and the depth H before the gate;
 - the bore that a piston drives at the speed U into water of depth h: behind it the depth H with
   ``U = (H - h) sqrt(g (h + H) / (2 h H))``, its own speed ``U H / (H - h)``;
 - the standing wave of small amplitude in a tank, without damping.
@@ -16,7 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from debrisflow.case import ResolvedCase
 from debrisflow.particles.start import initial_state
@@ -29,10 +26,9 @@ from debrisflow.validation.row import at_least, near, stated
 
 Floats = NDArray[np.float64]
 GRAVITY = 9.81
-CONTRACTION = np.pi / (np.pi + 2.0)
 
 
-def _case(
+def smooth_tank(
     spacing: float, length: float, height: float, fill: tuple[float, float], end: float, **more: Any
 ) -> ResolvedCase:
     """Return a tank with smooth walls, and water in it from one x to another."""
@@ -51,67 +47,10 @@ def _case(
     )
 
 
-def _plate(x: float, thickness: float, height: float, **motion: Any) -> dict[str, Any]:
+def plate(x: float, thickness: float, height: float, **motion: Any) -> dict[str, Any]:
+    """Return a smooth plate that stands on the floor and moves."""
     ends = {"x": (x, x + thickness), "y": (0.0, height)}
     return {"type": "box", "name": "plate", "slip": "free-slip", "motion": motion} | ends
-
-
-def front_after(speed: float | None, spacing: float = 0.01) -> float:
-    """Return the front of a column 20 cm high, 0.25 s after a gate is drawn at a speed, m/s, in m.
-
-    The fourth particle from ahead; None for no gate.
-    """
-    gate = [] if speed is None else [_plate(0.2, spacing, 0.4, velocity=(0.0, speed))]
-    case = _case(spacing, 1.0, 0.5, (0.0, 0.2), 0.25, depth=0.2, obstacle=gate)
-    for state in states(case, case.time.end):
-        last = state
-    return float(np.sort(last.particles.position[last.particles.fluid, 0])[-4])
-
-
-class Sluice(NamedTuple):
-    """What ran under a gate, by halves of the time.
-
-    Attributes
-    ----------
-    drawn : float
-        Volume that passed while the gate rose from half its opening on, over that of the orifice.
-    open : float
-        The same while it stood open.
-    time, rate : (n,) float64 array
-        Discharge over time, s, m2/s, means over a tenth of a second.
-    orifice : (n,) float64 array
-        That of the orifice.
-    """
-
-    drawn: float
-    open: float
-    time: Floats
-    rate: Floats
-    orifice: Floats
-
-
-def sluice(rows: int, opening: float = 0.08) -> Sluice:
-    """Return what passes a gate that is drawn to an opening of a number of rows within a second."""
-    spacing, length, depth, rise, end = opening / rows, 1.2, 0.4, 1.0, 2.0
-    gate = _plate(length, 0.02, 0.5, time=(0.0, rise, end), y=(0.0, opening, opening))
-    case = _case(spacing, length + 3.2, 0.6, (0.0, length), end, depth=depth, obstacle=[gate])
-    found = [
-        (state.time, np.count_nonzero(state.particles.position[state.particles.fluid, 0] < length))
-        for state in states(case, 0.02)
-    ]
-    time, count = np.array(found).T
-    volume = count * spacing**2
-    jet = CONTRACTION * PchipInterpolator((0.0, rise, end), (0.0, opening, opening))(time)
-    head = np.maximum(volume / length - jet, 0.0)
-    rate = jet * np.sqrt(2.0 * GRAVITY * head)
-    ratio = {}
-    for name, start, stop in (("drawn", 0.5 * rise, rise), ("open", rise, end)):
-        within = (time >= start) & (time <= stop)
-        passed = volume[within][0] - volume[within][-1]
-        ratio[name] = float(passed / np.trapezoid(rate[within], time[within]))
-    grid = np.arange(0.05, end, 0.1)
-    flux = -np.diff(np.interp(np.arange(0.0, end + 0.05, 0.1), time, volume)) / 0.1
-    return Sluice(**ratio, time=grid, rate=flux, orifice=np.interp(grid, time, rate))
 
 
 class Bore(NamedTuple):
@@ -132,8 +71,8 @@ def bore(rows: int, before: float = 0.2, behind: float = 0.36) -> Bore:
     speed = (behind - before) * np.sqrt(GRAVITY * (before + behind) / (2.0 * before * behind))
     fast, start, reach, end = speed * behind / (behind - before), 0.1, 4.0, 1.5
     spacing = before / rows
-    piston = _plate(0.0, start, 0.7, velocity=(speed, 0.0))
-    case = _case(
+    piston = plate(0.0, start, 0.7, velocity=(speed, 0.0))
+    case = smooth_tank(
         spacing, start + reach, 0.8, (start, start + reach), end, depth=before, obstacle=[piston]
     )
     for state in states(case, end):
@@ -159,7 +98,7 @@ def swing(rows: int, halves: int, depth: float = 0.3, length: float = 1.0) -> Fl
     """
     amplitude, k = 0.1 * depth, np.pi / length
     frequency = np.sqrt(GRAVITY * k * np.tanh(k * depth))
-    case = _case(
+    case = smooth_tank(
         depth / rows, length, 2.0 * depth, (0.0, length), halves * np.pi / frequency, depth=depth
     )
     state, scheme = initial_state(case), scheme_of(case)
@@ -179,29 +118,6 @@ def swing(rows: int, halves: int, depth: float = 0.3, length: float = 1.0) -> Fl
     half = np.minimum((time * frequency / np.pi).astype(int), halves - 1)
     whole = 2.0 * amplitude / (np.pi * k * depth)
     return np.array([np.abs(middle[half == n]).max() for n in range(halves)]) / whole
-
-
-def measure_gate(level: Level) -> Measured:
-    """Return the discharge under a gate."""
-    found = sluice(round(level.across))
-    reason = "contraction of published gates, 0.59 to 0.62, and losses at the floor"
-    rows = (
-        near(
-            "volume under the open gate / that of an orifice",
-            found.open,
-            1.0,
-            reason,
-            share=0.10,
-            miss=_THICK,
-        ),
-        stated("the same while it is drawn", found.drawn),
-    )
-    curves = (
-        exact(found.time, found.orifice, "orifice"),
-        computed(found.time, found.rate),
-    )
-    panel = Panel("discharge", "t (s)", "discharge (m²/s)", curves)
-    return Measured(rows, abs(found.open - 1.0), (panel,))
 
 
 def measure_bore(level: Level) -> Measured:
@@ -237,9 +153,6 @@ def measure_wave(level: Level) -> Measured:
     return Measured(rows, 1.0 - float(found[1]), (panel,))
 
 
-_THICK = (
-    "the jet under the gate is five rows thick at eight rows over the opening, and half at four"
-)
 _MELTS = (
     "the pressure between particles holds the lattice of the start against shear until it has "
     "melted; half the spacing is little better, and water that was stirred and came to rest first "
@@ -247,20 +160,6 @@ _MELTS = (
 )
 _shared = partial(Comparison, group=Group.DAM_BREAKS)
 COMPARISONS = (
-    _shared(
-        name="gate",
-        title="Discharge under a gate that is drawn",
-        compared="Volume that passes in a second while the gate stands open, 8 cm above the floor.",
-        reference="orifice with the contraction π/(π + 2) of a free jet (Kirchhoff); Rouse 1946",
-        parameters="two dimensions, 0.4 m of water, smooth walls; the gate is drawn for a second",
-        levels=(
-            Level(4, "4 rows", 5),
-            Level(8, "8 rows", 30, is_quick=True),
-            Level(12, "12 rows", 90),
-        ),
-        measure=measure_gate,
-        error="error of the volume under the open gate",
-    ),
     _shared(
         name="bore",
         title="Bore before a piston",

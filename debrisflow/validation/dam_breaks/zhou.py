@@ -216,6 +216,8 @@ COMPARISONS = (
         discussion=(
             "Levels and pressure are digitised; P2 has 0.7 kPa of noise before the wave arrives. "
             "Times are interpolated between the readings, which are up to 26 ms apart. "
+            "Behind the front the measured depths have a hump of 3 to 5 cm, which the runs lack at "
+            "all spacings and whose cause is not known; later the runs are 2 cm deeper at H2. "
             "The depth counts what is filled, as a wire does."
         ),
     ),
