@@ -9,6 +9,7 @@ from debrisflow.validation.at_rest import (
     still_water,
     tilted_tank,
 )
+from debrisflow.validation.beds import endless_bed, kynch, sedimentation, settling
 from debrisflow.validation.comparison import Comparison, Group
 from debrisflow.validation.dam_breaks import (
     check_dam,
@@ -23,6 +24,7 @@ from debrisflow.validation.dam_breaks import (
     wet_bed,
     zhou,
 )
+from debrisflow.validation.granular import grain_film, plane_shear, vescovi
 from debrisflow.validation.viscous import (
     deposit3d,
     film3d,
@@ -55,6 +57,13 @@ _MODULES = (
     still_dam,
     check_dam,
     moving_walls,
+    settling,
+    sedimentation,
+    kynch,
+    endless_bed,
+    plane_shear,
+    grain_film,
+    vescovi,
 )
 
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
-from debrisflow.case import load_case, tables
+from debrisflow.case import ResolvedCase, load_case
+from debrisflow.case.shapes import ResolvedTank3D
 from debrisflow.neighbors.lattice import reference
 from debrisflow.validation.files import CASES
 from debrisflow.validation.marching import energy, states
@@ -35,7 +36,7 @@ class Heap:
 
     Attributes
     ----------
-    case : Case
+    case : ResolvedCase
     time, front, energy : (m,) float64 array, s, m, -
         The front is the end of the columns a spacing wide, from the wall on without a gap, that
         hold more than half a layer; energy is that over the one at the start.
@@ -46,7 +47,7 @@ class Heap:
     through_wall : int
     """
 
-    case: tables.Case
+    case: ResolvedCase
     time: Floats
     front: Floats
     energy: Floats
@@ -56,10 +57,12 @@ class Heap:
 
     @property
     def spacing(self) -> float:
+        """Return the spacing, m."""
         return self.case.particles.spacing
 
     @property
     def final(self) -> Floats:
+        """Return the positions at the end, m."""
         return self.frames[max(self.frames)]
 
     def run_out(self) -> float:
@@ -128,7 +131,7 @@ def lube(ratio: float) -> float:
     return 1.2 * ratio if ratio < 1.8 else 1.9 * ratio ** (2.0 / 3.0)
 
 
-def outline(case: tables.Case, position: Floats) -> tuple[Floats, Floats]:
+def outline(case: ResolvedCase, position: Floats) -> tuple[Floats, Floats]:
     """Return x and mean height of what particles fill, gaps of less than a particle closed, m.
 
     A cell of a fine grid is filled if it is nearer than REACH to a particle and not within REACH -
@@ -148,7 +151,7 @@ def outline(case: tables.Case, position: Floats) -> tuple[Floats, Floats]:
     return d0 * cells[0][2 * FINE :], slab.sum(axis=2).mean(axis=1) * d0 / FINE
 
 
-def build(ratio: float, across: int, end: float, changes: tuple[str, ...]) -> tables.Case:
+def build(ratio: float, across: int, end: float, changes: tuple[str, ...]) -> ResolvedCase:
     """Return the case of a column ``ratio`` as high as long, at a spacing of L0 / across."""
     spacing = LENGTH / across
     height = spacing * round(ratio * across)
