@@ -24,6 +24,7 @@ from debrisflow.validation.dam_breaks import (
     wet_bed,
     zhou,
 )
+from debrisflow.validation.debris_flows import coulomb_slab
 from debrisflow.validation.granular import grain_film, plane_shear, vescovi
 from debrisflow.validation.viscous import (
     deposit3d,
@@ -64,6 +65,7 @@ _MODULES = (
     plane_shear,
     grain_film,
     vescovi,
+    coulomb_slab,
 )
 
 

@@ -163,7 +163,9 @@ def measure_slope(level: Level) -> Measured:
         found = slope_of_motion(limit + 1.0, above.mean * spacing)
         off.append(abs(found / limit - 1.0))
         dots += [(-1.0, below.mean * spacing), (1.0, above.mean * spacing)]
-        rows += _slope_rows(f"{angle:g}°", limit, found, below, above)
+        rows += _slope_rows(
+            f"{angle:g}°", limit, found, below, above, COARSE_SLOPE if spacing > 0.01 else ""
+        )
     x = np.linspace(-1.0, 1.0, 21)
     way = 0.5 * GRAVITY * ((SETTLING + REST) ** 2 - SETTLING**2) * np.maximum(np.radians(x), 0.0)
     curves = (exact(x, way, "block on its floor"), points(*np.array(dots).T))
@@ -171,7 +173,9 @@ def measure_slope(level: Level) -> Measured:
     return Measured(tuple(rows), max(off), (Panel("sliding", *axes, curves),))
 
 
-def _slope_rows(angle: str, limit: float, found: float, below: Rest, above: Rest) -> list[Row]:
+def _slope_rows(
+    angle: str, limit: float, found: float, below: Rest, above: Rest, miss: str
+) -> list[Row]:
     return [
         at_most(
             f"friction {angle}, 1° below the limit slope: mean displacement in 2 s",
@@ -201,6 +205,7 @@ def _slope_rows(angle: str, limit: float, found: float, below: Rest, above: Rest
             "half of the step in slope; angles of repose are measured to ± 0.5°",
             margin=0.5,
             unit="°",
+            miss=miss,
         ),
     ]
 
@@ -226,6 +231,7 @@ def measure_yield(level: Level) -> Measured:
                 "two and the threshold of 5 cm/s one",
                 share=0.3,
                 unit="m",
+                miss=COARSE_DEPTH if water_rows < 6 else "",
             )
         )
         if depth == DEPTH:
@@ -241,6 +247,14 @@ def measure_yield(level: Level) -> Measured:
     return Measured(tuple(rows), float(np.mean(errors)), tuple(panels))
 
 
+COARSE_SLOPE = (
+    "the floor holds the lowest row, a fifth of a bed of five, which rubs on the others as they "
+    "slide; with ten rows it is within"
+)
+COARSE_DEPTH = (
+    "with four rows of water the depth is four spacings, of which the surface of the bed takes "
+    "two; with eight rows it is within"
+)
 MIDDLE = 8
 """Rows of water of the level that computes the other depth of water too."""
 COMPARISONS = (

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from debrisflow.physics.drag import DragLaw, drag_coefficient
-from debrisflow.schemes.records import drag_law
+from debrisflow.schemes.records import drag_of
 from debrisflow.validation.beds.settling import (
     HEIGHT,
     PACKING_LIMIT,
@@ -99,7 +99,7 @@ def bed_top(height: Floats, profile: Floats) -> float:
 def measure(level: Level) -> Measured:
     """Return the speeds of both shocks and the distance of the profiles from Kynch's."""
     spacing = HEIGHT / level.across
-    found, speed = run(spacing), settling_speed(START, drag_law(column(START, SEED, spacing, END)))
+    found, speed = run(spacing), settling_speed(START, drag_of(column(START, SEED, spacing, END)))
     rise = START * speed / (PACKING_LIMIT - START)
     duration = HEIGHT * (1.0 - START / PACKING_LIMIT) / speed
     during = (found.time > BETWEEN[0] * duration) & (found.time < BETWEEN[1] * duration)

@@ -187,6 +187,8 @@ def _rows(c: float, both: tuple[Settled, ...], spacing: float) -> list[Row]:
             "the same, of a single seeding",
             share=0.25,
             unit="m/s",
+            miss=COARSE if spacing > 0.01 else "",
+            is_certain=False,
         ),
     ]
     beds = [one.bed for one in both]
@@ -218,6 +220,12 @@ def _rows(c: float, both: tuple[Settled, ...], spacing: float) -> list[Row]:
             "d0",
         ),
     ]
+
+
+COARSE = (
+    "the column is ten spacings wide, and of its 300 particles 30 settle; with half the spacing it "
+    "is within"
+)
 
 
 def _panels(columns: dict[float, tuple[Settled, ...]]) -> list[Panel]:
