@@ -25,7 +25,7 @@ from debrisflow.validation.dam_breaks import (
     zhou,
 )
 from debrisflow.validation.debris_flows import coulomb_slab
-from debrisflow.validation.granular import grain_film, plane_shear, vescovi
+from debrisflow.validation.granular import grain_film, heap3d, plane_shear, staron_hinch, vescovi
 from debrisflow.validation.viscous import (
     deposit3d,
     film3d,
@@ -65,6 +65,8 @@ _MODULES = (
     plane_shear,
     grain_film,
     vescovi,
+    heap3d,
+    staron_hinch,
     coulomb_slab,
 )
 

@@ -167,8 +167,8 @@ COMPARISONS = (
         ),
         reference="block on a plane: a = g (sin θ - cos θ tan δ), and u² / (2 |a|)",
         parameters=(
-            "three dimensions, endless slab 0.1 m deep and 0.6 m wide, friction of 20° along the floor, 40° "
-            "between the grains, which are dry; speed of sound 20 m/s"
+            "three dimensions, endless slab 0.1 m deep and 0.6 m wide, friction of 20° along "
+            "the floor, 40° between the grains, which are dry; speed of sound 20 m/s"
         ),
         levels=(
             Level(2, "2 rows", 3, is_quick=True),
