@@ -310,9 +310,10 @@ COMPARISONS = (
         discussion=(
             "In the experiments the run-out does not depend on the grains; here 1° of friction is "
             "0.08 L0 at a = 1. At the wall the heap sinks to 0.8 H at a = 1, where it should "
-            "hardly fall: the viscosity of a pair resists a stretching half as much as it "
-            "should. The front is a single layer of particles; the end of what is deeper than L0 / 10 does not "
-            "depend on it. a = 0.5 and 2 are computed where H has ten rows or more."
+            "hardly fall: the viscosity of a pair resists a stretching half as much as it should. "
+            "The front is a single layer of particles and read in whole spacings, so that its "
+            "error has no order; the end of what is deeper than L0 / 10 does not depend on it. a = "
+            "0.5 and 2 are computed where H has ten rows or more."
         ),
     ),
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import atan, degrees
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,11 +33,11 @@ def run(across: int) -> Heap:
     """Let a column of grains with the friction of the discs collapse."""
     changes = (
         "rheology.type=mu-i",
-        f"rheology.dynamic_friction_angle={np.degrees(np.arctan(DYNAMIC))!r}",
+        f"rheology.dynamic_friction_angle={degrees(atan(DYNAMIC))}",
         f"rheology.inertia_number={INERTIA!r}",
         f"sediment.grain_diameter={LENGTH / HALF_WIDTH!r}",
     )
-    return heap3d.run(RATIO, float(np.degrees(np.arctan(STATIC))), across, changes=changes)
+    return heap3d.run(RATIO, degrees(atan(STATIC)), across, changes=changes)
 
 
 def measure(level: Level) -> Measured:
