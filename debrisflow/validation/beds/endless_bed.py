@@ -239,7 +239,9 @@ def measure_yield(level: Level) -> Measured:
             down = spacing * (bed_rows - np.arange(bed_rows) - 0.5)
             edge = exact([0.0, speed.max()], [expected, expected], "Takahashi's depth")
             axes = "mean speed of the grains (m/s)", "depth in the bed (m)"
-            panels.append(Panel(title, *axes, (edge, computed(speed, down))))
+            below = np.arange(bed_rows) <= speed.argmax()  # no grains are left above
+            curve = computed(speed[below], down[below])
+            panels.append(Panel(title, *axes, (edge, curve)))
     if level.across == MIDDLE:
         dry = moving_depth(speeds(SLOPE, 35.0, 0.005, 16, 0, 1.0), 0.005)
         why = "15° is below the limit slope of 18.4°"

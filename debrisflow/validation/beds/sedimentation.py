@@ -25,6 +25,8 @@ FASTER = 200.0
 root.  Both are slow: the Reynolds number of a grain is 1e-4 and 0.5, and the drag linear within
 1 %, so that nothing but the clock differs."""
 END, FREE = 1320.0, 600.0  # s of the experiment, in which it settles; for a part of it, freely
+FINE = 72
+"""Rows of the finest level."""
 SAMPLES, ALONG = 66, 16  # samples; spacings, after which the column repeats
 
 
@@ -60,8 +62,10 @@ class Settled(NamedTuple):
 
 
 def experiment() -> Floats:
-    """Return time, s, upper interface and top of the bed, m, in columns."""
-    return np.loadtxt(REFERENCES / "pham_van_bang_2006.csv", delimiter=",", skiprows=4)
+    """Return time, s, and height of the upper interface, m, in columns."""
+    return np.loadtxt(
+        REFERENCES / "pham_van_bang_2006.csv", delimiter=",", skiprows=4, usecols=(0, 1)
+    )
 
 
 def column(spacing: float) -> ResolvedCase:
@@ -103,7 +107,7 @@ def run(spacing: float) -> Settled:
 def measure(level: Level) -> Measured:
     """Return how a column settles beside the measured one."""
     spacing = HEIGHT / level.across
-    found, (time, upper, _) = run(spacing), experiment().T
+    found, (time, upper) = run(spacing), experiment().T
     falling = time < END
     speed = -float(np.polyfit(time[falling], upper[falling], 1)[0])
     off = np.interp(time[falling], found.time, found.interface) - upper[falling]
@@ -117,6 +121,7 @@ def measure(level: Level) -> Measured:
                 "resolve 0.8 mm of the 9 mm",
                 share=0.15,
                 unit="µm/s",
+                miss=COARSE if level.across < FINE else "",
             ),
             at_most(
                 "height of the upper interface, to 1320 s: rms",
@@ -146,12 +151,19 @@ def measure(level: Level) -> Measured:
     )
 
 
+COARSE = (
+    "the drag on a grain is that of the mean concentration within three spacings, at the border "
+    "some of it clear oil: the border falls too fast over its first three spacings, a good part "
+    "of the 4 mm here. The slip in the column is that of the law, 6.9 µm/s. Another measure of "
+    "the border, below a tenth of the sediment, gives the same"
+)
+
+
 def _panels(found: Settled) -> list[Panel]:
-    time, upper, bed = experiment().T
-    curves = (measured(time, upper), measured(time, bed, "measured, top of the bed"))
+    time, upper = experiment().T
     falling = computed(found.time, found.interface)
     return [
-        Panel("upper interface", "t (s)", "height (m)", (*curves, falling)),
+        Panel("upper interface", "t (s)", "height (m)", (measured(time, upper), falling)),
         Panel(
             "concentration at 1320 s",
             "concentration",

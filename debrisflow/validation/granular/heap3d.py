@@ -274,7 +274,7 @@ def _panel(ratio: float, heap: Heap) -> Panel:
         "x / L0",
         "z / L0",
         (
-            measured([front, front], [0.0, 0.3], "measured front"),
+            measured([front], [0.0], "measured front"),
             computed(x[seen] / LENGTH, height[seen] / LENGTH),
         ),
     )
