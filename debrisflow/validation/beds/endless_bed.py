@@ -206,6 +206,7 @@ def _slope_rows(
             margin=0.5,
             unit="°",
             miss=miss,
+            is_certain=False,  # by a thirtieth of a degree
         ),
     ]
 
@@ -231,7 +232,7 @@ def measure_yield(level: Level) -> Measured:
                 "two and the threshold of 5 cm/s one",
                 share=0.3,
                 unit="m",
-                miss=COARSE_DEPTH if water_rows < 6 else "",
+                miss=COARSE_DEPTH if expected < FEWEST * spacing else "",
             )
         )
         if depth == DEPTH:
@@ -254,9 +255,10 @@ COARSE_SLOPE = (
     "slide; with ten rows it is within"
 )
 COARSE_DEPTH = (
-    "with four rows of water the depth is four spacings, of which the surface of the bed takes "
-    "two; with eight rows it is within"
+    "the depth is four spacings, of which the surface of the bed takes two; with half the spacing "
+    "it is within"
 )
+FEWEST = 5  # spacings of a yield depth that is resolved
 MIDDLE = 8
 """Rows of water of the level that computes the other depth of water too."""
 COMPARISONS = (
