@@ -98,8 +98,8 @@ def _body(x: Floats, height: Floats) -> float:
 
 EDGE = "the thin end of the heap is too short, see the run-out; the body is within"
 MISS = (
-    "the outline ends in a thin layer of single discs, 0.4 L0 long, which a slab of particles a "
-    "twelfth of L0 thick does not have: the end of what is deeper than L0 / 10 is 9 % short. With one "
+    "the outline ends in a thin layer of single discs, 0.4 L0 long, which particles as large as a "
+    "twelfth of L0 do not have: the end of what is deeper than L0 / 10 is 9 % short. With one "
     "angle of friction, 25°, the run-out is 0.55 L0"
 )
 COMPARISONS = (
