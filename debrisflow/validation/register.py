@@ -9,6 +9,7 @@ from debrisflow.validation.at_rest import (
     still_water,
     tilted_tank,
 )
+from debrisflow.validation.beds import endless_bed, kynch, sedimentation, settling
 from debrisflow.validation.comparison import Comparison, Group
 from debrisflow.validation.dam_breaks import (
     check_dam,
@@ -24,6 +25,8 @@ from debrisflow.validation.dam_breaks import (
     wet_bed,
     zhou,
 )
+from debrisflow.validation.debris_flows import coulomb_slab
+from debrisflow.validation.granular import grain_film, heap3d, plane_shear, staron_hinch, vescovi
 from debrisflow.validation.viscous import (
     deposit3d,
     film3d,
@@ -57,6 +60,16 @@ _MODULES = (
     check_dam,
     gate,
     moving_walls,
+    settling,
+    sedimentation,
+    kynch,
+    endless_bed,
+    plane_shear,
+    grain_film,
+    vescovi,
+    heap3d,
+    staron_hinch,
+    coulomb_slab,
 )
 
 
