@@ -23,6 +23,19 @@ from debrisflow.validation.dam_breaks import (
     wet_bed,
     zhou,
 )
+from debrisflow.validation.debris_flows import (
+    collapse,
+    flume3d,
+    flume_deposit,
+    long_flume,
+    mixture_cube,
+    runout3d,
+    short_flume,
+    usgs_flume,
+    voellmy_layer,
+    voellmy_slab,
+)
+from debrisflow.validation.field import st_helens
 from debrisflow.validation.viscous import (
     deposit3d,
     film3d,
@@ -55,6 +68,17 @@ _MODULES = (
     still_dam,
     check_dam,
     moving_walls,
+    long_flume,
+    short_flume,
+    flume_deposit,
+    collapse,
+    mixture_cube,
+    flume3d,
+    runout3d,
+    voellmy_layer,
+    voellmy_slab,
+    usgs_flume,
+    st_helens,
 )
 
 
