@@ -32,7 +32,7 @@ from debrisflow.validation.debris_flows import collapse, flume
 from debrisflow.validation.granular import granular_shear
 from debrisflow.validation.viscous import rough_film
 from debrisflow.validation.viscous import start_up as viscous
-from tests.validation import controls
+from tests.slow import bed_controls as controls
 
 TEMPERATURES = ("algebraic", "neighborhood", "fluctuation")
 STILL = {

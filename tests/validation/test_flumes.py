@@ -7,7 +7,7 @@ import pytest
 
 from debrisflow.validation.beds import endless_bed
 from debrisflow.validation.debris_flows import flume
-from tests.validation import controls
+from tests.slow import bed_controls as controls
 
 
 @pytest.mark.parametrize(("friction_angle", "spacing"), [(30.0, 0.02), (35.0, 0.01)])
