@@ -44,10 +44,10 @@ AVERAGED = (
     "centrifugal pressure in the bend"
 )
 UNLIKE = (
-    "unlike a depth-averaged flow, which thins to nothing, one of particles is a row deep at least, "
-    "and is not slowed as a thinner one; in eight rows the upper ones slide over the lowest, which "
-    "alone feels the bed. The friction itself is right, see `voellmy_layer`, and so is what a slab "
-    "loses in the bend, cos 20° - μ sin 20° of its speed within 3 %"
+    "unlike a depth-averaged flow, which thins to nothing, one of particles is a row deep at "
+    "least, and is not slowed as a thinner one; in eight rows the upper ones slide over the "
+    "lowest, which alone feels the bed. The friction itself is right, see `voellmy_layer`, and so "
+    "is what a slab loses in the bend, cos 20° - μ sin 20° of its speed within 3 %"
 )
 
 
