@@ -178,7 +178,7 @@ COMPARISONS = (
             "friction angle of 35°, supply of 10 L/min"
         ),
         levels=(
-            Level(3, "10 mm", 47, is_quick=True),
+            Level(3, "10 mm", 47),
             Level(4, "7.5 mm", 180),
             Level(6, "5 mm", 900),
         ),

@@ -14,7 +14,7 @@ from debrisflow.validation.comparison import Comparison, Group, Level, Measured
 from debrisflow.validation.curves import Panel, computed, points
 from debrisflow.validation.files import CASES
 from debrisflow.validation.marching import energy, states
-from debrisflow.validation.row import Row, at_most, none_of, stated
+from debrisflow.validation.row import Row, at_most, conserved, none_of, stated
 
 Floats = NDArray[np.float64]
 CASE = CASES / "dam_break3d.toml"
@@ -120,7 +120,7 @@ def measure(level: Level) -> Measured:
             "m",
         ),
         *_spray_rows(found),
-        at_most(
+        conserved(
             "greatest energy / start",
             max(one.energy for one in found.values()),
             1.005,

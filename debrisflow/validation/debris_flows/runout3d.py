@@ -242,9 +242,9 @@ COMPARISONS = (
             "there)"
         ),
         levels=(
-            Level(4, "17.5 mm", 40, is_quick=True),
-            Level(5, "14 mm", 90),
-            Level(7, "10 mm", 300),
+            Level(4, "17.5 mm", 21, is_quick=True),
+            Level(5, "14 mm", 45),
+            Level(7, "10 mm", 170),
         ),
         measure=measure,
         error="speed of the viscous flow at 1.5 m, relative to the laminar film",

@@ -203,7 +203,7 @@ def measure_smooth(level: Level) -> Measured:
     concrete = seen(run("sg_smooth", level, CONCRETE))
     probes = ("h32", "h66")
     rows = (
-        *_arrival_rows(found, known, probes),
+        *_arrival_rows(found, known, probes, DRAG),
         near(
             "speed of the front from 32 to 66 m",
             front_speed(found),
@@ -232,7 +232,7 @@ def measure_smooth(level: Level) -> Measured:
 
 
 def _arrival_rows(
-    found: dict[str, Station], known: dict[str, Station], probes: tuple[str, ...]
+    found: dict[str, Station], known: dict[str, Station], probes: tuple[str, ...], miss: str = ""
 ) -> tuple[Row, ...]:
     return tuple(
         near(
@@ -242,6 +242,7 @@ def _arrival_rows(
             ARRIVALS,
             share=0.15,
             unit="s",
+            miss=miss,
         )
         for probe in probes
     )

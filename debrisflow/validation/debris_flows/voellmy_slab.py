@@ -241,7 +241,7 @@ COMPARISONS = (
         levels=(
             Level(1, "1 row", 2, is_quick=True),
             Level(2, "2 rows", 4, is_quick=True),
-            Level(4, "4 rows", 15, is_quick=True),
+            Level(4, "4 rows", 15),
             Level(8, "8 rows", 120),
         ),
         measure=measure,
