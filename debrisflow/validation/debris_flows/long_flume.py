@@ -54,7 +54,12 @@ def measure(level: Level) -> Measured:
         return of_other_seeds(level)
     found = run(BED / level.across)
     profile = speed_profile(found, *_behind_front(found))
-    rows = (*_front_rows(found), *_bed_rows(found), *_mixture_rows(found), *_profile_rows(found))
+    rows = (
+        *_front_rows(found, level),
+        *_bed_rows(found),
+        *_mixture_rows(found),
+        *_profile_rows(found),
+    )
     return Measured(rows, profile.error, _panels(found))
 
 
@@ -106,7 +111,7 @@ def _behind_front(found: Flume) -> tuple[float, float]:
     return last, last + 0.5
 
 
-def _front_rows(found: Flume) -> tuple[Row, ...]:
+def _front_rows(found: Flume, level: Level) -> tuple[Row, ...]:
     first, last = found.arrival(FROM), found.arrival(TO)
     supplied = discharge_of(found.case) * found.case.time.end
     return (
@@ -118,7 +123,7 @@ def _front_rows(found: Flume) -> tuple[Row, ...]:
             TIMES,
             share=0.1,
             unit="s",
-            miss=SLOW,
+            miss=SLOW if level.across > 5 else "",
         ),
         near(
             "supply over its discharge",

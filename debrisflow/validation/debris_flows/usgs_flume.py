@@ -190,7 +190,7 @@ def measure(level: Level) -> Measured:
             share=0.15,
             unit="m/s",
         ),
-        *_depth_rows(found, known, {"h32": DRY_FRONT, "h66": DRY_FRONT, "h90": ""}),
+        *_depth_rows(found, known, {"h32": DRY_FRONT, "h66": "", "h90": ""}, level),
     )
     error = abs(found["h32"].peak / known["h32"].peak - 1.0)
     return Measured(rows, error, _panels("sgm", series))
@@ -203,7 +203,8 @@ def measure_smooth(level: Level) -> Measured:
     concrete = seen(run("sg_smooth", level, CONCRETE))
     probes = ("h32", "h66")
     rows = (
-        *_arrival_rows(found, known, probes, DRAG),
+        *_arrival_rows(found, known, ("h32",)),
+        *_arrival_rows(found, known, ("h66",), DRAG),
         near(
             "speed of the front from 32 to 66 m",
             front_speed(found),
@@ -213,7 +214,7 @@ def measure_smooth(level: Level) -> Measured:
             unit="m/s",
             miss=DRAG,
         ),
-        *_depth_rows(found, known, dict.fromkeys(probes, DRAG)),
+        *_depth_rows(found, known, dict.fromkeys(probes, DRAG), level),
         *(
             stated(
                 f"mean arrival at {probe[1:]} m with ξ of concrete",
@@ -243,13 +244,14 @@ def _arrival_rows(
             share=0.15,
             unit="s",
             miss=miss,
+            is_certain=False,
         )
         for probe in probes
     )
 
 
 def _depth_rows(
-    found: dict[str, Station], known: dict[str, Station], misses: dict[str, str]
+    found: dict[str, Station], known: dict[str, Station], misses: dict[str, str], level: Level
 ) -> tuple[Row, ...]:
     return tuple(
         near(
@@ -260,6 +262,7 @@ def _depth_rows(
             margin=known[probe].deviation,
             unit="m",
             miss=miss,
+            is_certain=level.across < 2.5,
         )
         for probe, miss in misses.items()
     )

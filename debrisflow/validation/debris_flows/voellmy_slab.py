@@ -167,6 +167,7 @@ def measure(level: Level) -> Measured:
             share=0.05,
             unit="m",
             miss=UNLIKE,
+            is_certain=False,
         ),
         near(
             "half of the volume behind the bend",
