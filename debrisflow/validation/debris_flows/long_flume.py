@@ -211,6 +211,7 @@ def _profile_rows(found: Flume) -> tuple[Row, ...]:
             0.1,
             PROFILE,
             miss=COARSE,
+            is_certain=False,
         ),
         stated("depth of the moving layer there", profile.depth, "m"),
         stated("speed of its surface", profile.surface, "m/s"),
