@@ -29,7 +29,7 @@ RESTS_UNTIL = 2.0
 """Until when no water has come to the bed, s."""
 SEEDS = "20 mm, seedings 2 to 4"
 OTHER_SEEDS = 2, 3, 4
-FITTED = "fitted at 20 mm; as the time from there on"
+FITTED = "fitted on it at 20 mm; the bound of the time from there on"
 TIMES = "seedings differ by 5 %; the study's frames are some 0.1 s sharp"
 SLOW = (
     "fitted at 20 mm; a finer flow erodes its bed less and more clear water runs over it. Neither "
@@ -257,7 +257,7 @@ COMPARISONS = (
         group=Group.DEBRIS_FLOWS,
         compared=(
             "Times at which the front passes two places, what the flow carries and what it erodes, "
-            "and the profile of its speed at the end of the bed, against what the study tells of "
+            "and the profile of its speed at the end of the bed, against what the study reports of "
             "its computation and of the experiment of Hirano et al.; the profile against that of "
             "a dilatant fluid, with which the experiment agrees."
         ),
@@ -267,7 +267,7 @@ COMPARISONS = (
         ),
         parameters=(
             "`cases/flume2d.toml`: slope of 15°, bed of 0.1 m, grains of 3 mm, friction angle of "
-            "35°, supply of 200 cm²/s; slope, grains and friction are chosen, the study tells none"
+            "35°, supply of 200 cm²/s; slope, grains and friction are chosen, the study states none"
         ),
         calibrated=(
             "twice, at 20 mm: the roughness of the floor (0.13 m) on the 2.60 s to 2.0 m, and the "

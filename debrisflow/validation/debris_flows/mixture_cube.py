@@ -201,7 +201,7 @@ COMPARISONS = (
         reference="the study, case B1; stress of Ding & Gidaspow 1990, doi:10.1002/aic.690360404",
         parameters=(
             "`cases/dam_break3d.toml`: cube of 2 m in a tank of 6 m, speed of sound 22 m/s; "
-            "grains of 30 mm, which the study does not tell: with 3 mm the stress changes nothing"
+            "grains of 30 mm, which the study does not state: with 3 mm the stress changes nothing"
         ),
         levels=(
             Level(10, "0.2 m", 1),
