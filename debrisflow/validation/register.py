@@ -25,7 +25,20 @@ from debrisflow.validation.dam_breaks import (
     wet_bed,
     zhou,
 )
-from debrisflow.validation.debris_flows import coulomb_slab
+from debrisflow.validation.debris_flows import (
+    collapse,
+    coulomb_slab,
+    flume3d,
+    flume_deposit,
+    long_flume,
+    mixture_cube,
+    runout3d,
+    short_flume,
+    usgs_flume,
+    voellmy_layer,
+    voellmy_slab,
+)
+from debrisflow.validation.field import st_helens
 from debrisflow.validation.granular import grain_film, heap3d, plane_shear, staron_hinch, vescovi
 from debrisflow.validation.viscous import (
     deposit3d,
@@ -70,6 +83,17 @@ _MODULES = (
     heap3d,
     staron_hinch,
     coulomb_slab,
+    long_flume,
+    short_flume,
+    flume_deposit,
+    collapse,
+    mixture_cube,
+    flume3d,
+    runout3d,
+    voellmy_layer,
+    voellmy_slab,
+    usgs_flume,
+    st_helens,
 )
 
 
