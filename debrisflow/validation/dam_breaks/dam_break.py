@@ -137,7 +137,7 @@ _ROUGH = (
 )
 _LEVELS = (
     Level(16, "a/16", 1, is_quick=True),
-    Level(32, "a/32", 40, is_quick=True),
+    Level(32, "a/32", 27, is_quick=True),
     Level(64, "a/64", 25),
 )
 COMPARISONS = (

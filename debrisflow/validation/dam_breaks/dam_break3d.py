@@ -124,7 +124,7 @@ COMPARISONS = (
     _shared(
         name="martin_moyce3d",
         title="Column of Martin & Moyce, n² = 2, three dimensions",
-        levels=(Level(10, "a/10", 8, is_quick=True), Level(20, "a/20", 70), Level(30, "a/30", 300)),
+        levels=(Level(10, "a/10", 3, is_quick=True), Level(20, "a/20", 16), Level(30, "a/30", 60)),
         measure=partial(measure, HIGH, 0.08),
     ),
     _shared(

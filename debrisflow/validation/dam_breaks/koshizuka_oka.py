@@ -70,9 +70,9 @@ COMPARISONS = (
             "0.03 mm (chosen), no gate"
         ),
         levels=(
-            Level(WIDTH / 0.008, "d0 = 8 mm", 5, is_quick=True),
-            Level(WIDTH / 0.005, "d0 = 5 mm", 15),
-            Level(WIDTH / 0.003, "d0 = 3 mm", 60),
+            Level(WIDTH / 0.008, "d0 = 8 mm", 1, is_quick=True),
+            Level(WIDTH / 0.005, "d0 = 5 mm", 3),
+            Level(WIDTH / 0.003, "d0 = 3 mm", 12),
         ),
         measure=measure,
         error="rms of the front after the best shift / Z",

@@ -167,7 +167,7 @@ COMPARISONS = (
         reference="Rayleigh 1914: mass and momentum across a bore in shallow water",
         parameters="two dimensions, piston of 0.99 m/s into 0.2 m of water, smooth walls",
         levels=(
-            Level(10, "10 rows", 12, is_quick=True),
+            Level(10, "10 rows", 4, is_quick=True),
             Level(20, "20 rows", 60),
             Level(30, "30 rows", 150),
         ),
@@ -182,7 +182,7 @@ COMPARISONS = (
         reference="linear waves, without damping",
         parameters="two dimensions, 0.3 m of water in 1 m, amplitude a tenth of the depth",
         levels=(
-            Level(15, "15 rows", 5, is_quick=True),
+            Level(15, "15 rows", 3, is_quick=True),
             Level(30, "30 rows", 30),
             Level(45, "45 rows", 100),
         ),

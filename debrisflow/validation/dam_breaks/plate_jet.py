@@ -200,7 +200,7 @@ COMPARISONS = (
         levels=(
             Level(4, "4 rows", 2, is_quick=True),
             Level(8, "8 rows", 5, is_quick=True),
-            Level(16, "16 rows", 25, is_quick=True),
+            Level(16, "16 rows", 30, is_quick=True),
         ),
         measure=partial(measure, 2, _FLAT),
     ),

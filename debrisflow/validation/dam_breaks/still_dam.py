@@ -125,7 +125,7 @@ COMPARISONS = (
             "walls, 0.5 and 0.25 m of water; the levels are rows over the greater depth"
         ),
         levels=(
-            Level(10, "10 rows", 13, is_quick=True),
+            Level(10, "10 rows", 10, is_quick=True),
             Level(14, "14 rows", 40),
             Level(20, "20 rows", 130),
         ),

@@ -23,8 +23,9 @@ HIGH, LOW = 0.15, 0.04
 BIN, INTERVAL = 0.02, 0.02  # m, s
 STEADY = 0.6, 1.2
 """s, from when the gate has long been drawn until the wave from the back wall comes near."""
-BEHIND = 0.15, 0.05
-"""m behind the bore, beyond its roller, from where to where depths are averaged, over 0.1 m."""
+BEHIND = 0.30, 0.13
+"""m behind the bore between which depths are averaged; as at the piston's, the roller is taken to
+be one and a half depths long."""
 
 
 class Stoker(NamedTuple):
@@ -131,6 +132,8 @@ def measure(level: Level) -> Measured:
             shallow,
             share=0.05,
             unit="cm",
+            miss=_GATED,
+            is_certain=False,
         ),
         near(
             "path of the bore to 1.2 s / closed form",
@@ -153,9 +156,25 @@ def _panels(found: Surge, form: Stoker) -> tuple[Panel, ...]:
         "place of the bore (m)",
         (exact(when, GATE + form.bore * when), computed(found.time, found.bore)),
     )
-    x = np.linspace(0.0, LENGTH, 501)
-    curves = exact(x, _profile(x, found.time[-1], form)), computed(found.x, found.depth[-1])
+    last = found.time[-1]
+    x = np.linspace(wave_from_wall(last, form), LENGTH, 501)
+    curves = exact(x, _profile(x, last, form)), computed(found.x, found.depth[-1])
     return (way, Panel("depth after 1.2 s", "x (m)", "depth (m)", curves))
+
+
+def wave_from_wall(until: float, form: Stoker, steps: int = 1000) -> float:
+    """Return how far the wave has come that the fan's arrival at x = 0 sends back, m.
+
+    It moves at ``u + c``, which is ``(4 c0 + (x - x_g) / t) / 3`` in the fan.
+    """
+    c0 = float(np.sqrt(GRAVITY * HIGH))
+    behind = form.speed + float(np.sqrt(GRAVITY * form.depth))
+    time, x = GATE / c0, 0.0
+    dt = (until - time) / steps
+    for _ in range(steps):
+        x += dt * min((4.0 * c0 + (x - GATE) / time) / 3.0, behind)
+        time += dt
+    return x
 
 
 def _profile(x: Floats, time: float, form: Stoker) -> Floats:
@@ -168,6 +187,10 @@ def _profile(x: Floats, time: float, form: Stoker) -> Floats:
     return profile
 
 
+_GATED = (
+    "the closed form has no gate: drawn at 1.5 m/s it holds back the upper water first, and the "
+    "run loses 6 % of the depth. Without the gate (tried) it is 8.2 cm at both spacings, within 4 %"
+)
 COMPARISONS = (
     Comparison(
         name="wet_bed",
@@ -184,15 +207,16 @@ COMPARISONS = (
             "whole number of rows; smooth walls, gate drawn at 1.5 m/s"
         ),
         levels=(
-            Level(4, "d0 = 10 mm", 5, is_quick=True),
-            Level(8, "d0 = 5 mm", 40),
-            Level(12, "d0 = 3.3 mm", 120),
+            Level(4, "d0 = 10 mm", 4, is_quick=True),
+            Level(8, "d0 = 5 mm", 22),
+            Level(12, "d0 = 3.3 mm", 72),
         ),
         measure=measure,
         error="sum of the errors of speed and depth",
         discussion=(
-            "After 1.2 s the drawn depth near the back wall is lower than the closed form, which "
-            "has no back wall: its wave does not reach the bore by then."
+            "The closed form is drawn ahead of the wave that returns from the back wall, and the "
+            "depth is averaged from 0.13 to 0.30 m behind the bore, beyond its roller and ahead of "
+            "that wave."
         ),
     ),
 )
