@@ -280,8 +280,8 @@ COMPARISONS = (
         ),
         levels=(
             Level(5, "5 rows", 10, is_quick=True),
-            Level(10, "10 rows", 40),
-            Level(20, "20 rows", 200),
+            Level(10, "10 rows", 14),
+            Level(20, "20 rows", 37),
         ),
         measure=measure_slope,
         error="limit slope by the acceleration / closed form - 1, the greater of two",
@@ -304,7 +304,7 @@ COMPARISONS = (
         ),
         levels=(
             Level(4, "4 rows", 10, is_quick=True),
-            Level(MIDDLE, "8 rows", 60),
+            Level(MIDDLE, "8 rows", 45),
             Level(16, "16 rows", 300),
         ),
         measure=measure_yield,

@@ -196,8 +196,8 @@ COMPARISONS = (
             "much faster: the drag is linear in both"
         ),
         levels=(
-            Level(18, "18 rows", 15, is_quick=True),
-            Level(36, "36 rows", 35),
+            Level(18, "18 rows", 11, is_quick=True),
+            Level(36, "36 rows", 29),
             Level(72, "72 rows", 250),
         ),
         measure=measure,

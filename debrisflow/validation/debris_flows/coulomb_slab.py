@@ -172,7 +172,7 @@ COMPARISONS = (
         ),
         levels=(
             Level(2, "2 rows", 3, is_quick=True),
-            Level(4, "4 rows", 16, is_quick=True),
+            Level(4, "4 rows", 12, is_quick=True),
             Level(8, "8 rows", 90),
         ),
         measure=measure,

@@ -142,7 +142,7 @@ COMPARISONS = (
         parameters="two dimensions, 0.1 m on 10°, grains of 10 mm, e = 0.7, C = 0.5 in the stress",
         levels=(
             Level(10, "10 rows", 4, is_quick=True),
-            Level(20, "20 rows", 15, is_quick=True),
+            Level(20, "20 rows", 8, is_quick=True),
             Level(40, "40 rows", 120),
         ),
         measure=measure,

@@ -155,8 +155,8 @@ COMPARISONS = (
         parameters="two dimensions, without gravity, 10 /s, e = 0.7, grains of a tenth of the gap",
         levels=(
             Level(10, "10 rows", 1, is_quick=True),
-            Level(20, "20 rows", 5, is_quick=True),
-            Level(40, "40 rows", 40),
+            Level(20, "20 rows", 2, is_quick=True),
+            Level(40, "40 rows", 4),
         ),
         measure=measure,
         error="shear stress / pressure over that of the closed form - 1",

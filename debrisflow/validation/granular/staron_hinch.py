@@ -120,7 +120,7 @@ COMPARISONS = (
             "doi:10.1017/jfm.2011.335"
         ),
         levels=(
-            Level(12, "L0/12", 30, is_quick=True),
+            Level(12, "L0/12", 18, is_quick=True),
             Level(20, "L0/20", 200),
             Level(28, "L0/28", 700),
         ),
