@@ -227,7 +227,7 @@ COMPARISONS = (
         ),
         levels=(
             Level(17, "15 mm", 13),
-            Level(25, "10 mm", 34, is_quick=True),
+            Level(25, "10 mm", 37, is_quick=True),
             Level(50, "5 mm", 300),
         ),
         measure=measure,

@@ -199,7 +199,7 @@ COMPARISONS = (
         levels=(
             Level(10, "0.2 m", 1),
             Level(20, "0.1 m", 14, is_quick=True),
-            Level(30, "0.067 m", 80),
+            Level(30, "0.067 m", 90),
         ),
         measure=measure,
         discussion=(
