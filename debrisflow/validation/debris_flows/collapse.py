@@ -185,25 +185,30 @@ def _lag_rows(stressed: list[Collapse], free: list[Collapse]) -> tuple[Row, ...]
 
 
 def _panels(runs: dict[str, list[Collapse]]) -> tuple[Panel, ...]:
-    time = next(iter(runs.values()))[0].time
-    lags = {text: np.mean([one.behind for one in found], axis=0) for text, found in runs.items()}
-    layers = {
-        text: np.mean([one.layering for one in found], axis=0) for text, found in runs.items()
-    }
-    return (
-        Panel(
-            "lag of the sediment",
-            "t (s)",
-            "behind the water, mean of seedings (m)",
-            tuple(computed(time, lag, text) for text, lag in lags.items()),
-        ),
-        Panel(
-            "separation",
-            "t (s)",
-            "layering, mean of seedings; 1: two level layers",
-            tuple(computed(time, layer, text) for text, layer in layers.items()),
-        ),
-    )
+    panels = []
+    for text, found in runs.items():
+        time = found[0].time
+        lag = np.mean([one.behind for one in found], axis=0)
+        panels.append(
+            Panel(
+                f"sediment behind the water, {text}",
+                "t (s)",
+                "mean of seedings (m)",
+                (computed(time, lag),),
+            )
+        )
+    for text, found in runs.items():
+        time = found[0].time
+        layers = np.mean([one.layering for one in found], axis=0)
+        panels.append(
+            Panel(
+                f"layering, {text}",
+                "t (s)",
+                "mean of seedings; 1: two layers",
+                (computed(time, layers),),
+            )
+        )
+    return tuple(panels)
 
 
 COMPARISONS = (
@@ -222,7 +227,7 @@ COMPARISONS = (
         ),
         levels=(
             Level(17, "15 mm", 13),
-            Level(25, "10 mm", 34, is_quick=True),
+            Level(25, "10 mm", 37, is_quick=True),
             Level(50, "5 mm", 300),
         ),
         measure=measure,

@@ -179,7 +179,7 @@ COMPARISONS = (
             "angle of 35°, supply of 100 cm²/s for 4 s"
         ),
         levels=(
-            Level(5, "10 mm", 60, is_quick=True),
+            Level(5, "10 mm", 58, is_quick=True),
             Level(5, SEEDS, 180),
             Level(7, "7 mm", 150),
         ),

@@ -31,8 +31,8 @@ ENDS = {None: 0.85, 0.4: 0.85, 0.5: 2.0}
 SAMPLE = 0.01
 """Time between two rows of the record, s."""
 HELD = (
-    "5.4 %, half a spacing, at 0.1 m: what stands of the cube is held back by its grains; none of "
-    "it is in the air"
+    "what stands of the cube is held back by its grains, at 0.1 m and finer; none of it is in the "
+    "air"
 )
 
 
@@ -170,21 +170,14 @@ def _spray_rows(found: dict[float | None, Cube], level: Level) -> tuple[Row, ...
 
 
 def _panels(found: dict[float | None, Cube]) -> tuple[Panel, ...]:
-    known = {_named(c): one for c, one in found.items()}
     at = [concentration or 0.0 for concentration in found]
+    fronts = [one.front for one in found.values()]
     return (
-        Panel(
-            "front",
-            "t (s)",
-            "x (m)",
-            tuple(computed(one.time, one.fronts, text) for text, one in known.items()),
+        *(
+            Panel(f"front, {_named(c)}", "t (s)", "x (m)", (computed(one.time, one.fronts),))
+            for c, one in found.items()
         ),
-        Panel(
-            "front at 0.8 s",
-            "C (0: without stress)",
-            "x (m)",
-            (points(at, [one.front for one in found.values()]),),
-        ),
+        Panel("front at 0.8 s", "C (0: without stress)", "x (m)", (points(at, fronts),)),
     )
 
 
@@ -206,7 +199,7 @@ COMPARISONS = (
         levels=(
             Level(10, "0.2 m", 1),
             Level(20, "0.1 m", 14, is_quick=True),
-            Level(30, "0.067 m", 80),
+            Level(30, "0.067 m", 90),
         ),
         measure=measure,
         discussion=(

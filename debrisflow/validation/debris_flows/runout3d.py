@@ -199,30 +199,23 @@ def _balance_rows(found: dict[str, Runout]) -> tuple[Row, ...]:
 
 
 def _panels(found: dict[str, Runout]) -> tuple[Panel, ...]:
-    end = np.array([0.0, max(one.time[-1] for one in found.values())])
-    film, fall = film_speed(), fall_speed(0.5 * (REACH[0] + REACH[1]))
-    return (
-        Panel(
-            "front",
-            "t (s)",
-            "x (m)",
-            tuple(computed(one.time, one.front, WORDS[name]) for name, one in found.items()),
-        ),
-        Panel(
-            "speed in the flume at 1.5 m",
-            "t (s)",
-            "u (m/s)",
-            (
-                exact(end, np.full(2, fall), "fall without friction"),
-                exact(end, np.full(2, film), "laminar film, ν = 1e-3 m²/s"),
-                *(
-                    computed(one.time[wet], one.speed[wet], WORDS[name])
-                    for name, one in found.items()
-                    for wet in [np.isfinite(one.speed)]
-                ),
-            ),
-        ),
-    )
+    middle = 0.5 * (REACH[0] + REACH[1])
+    known = {
+        "plain": (fall_speed(middle), "fall without friction"),
+        "viscous": (film_speed(), "laminar film"),
+    }
+    panels = [
+        Panel(f"front, {WORDS[name]}", "t (s)", "x (m)", (computed(one.time, one.front),))
+        for name, one in found.items()
+    ]
+    for name, (speed, words) in known.items():
+        time, wet = found[name].time, np.isfinite(found[name].speed)
+        curves = (
+            exact([0.0, time[-1]], [speed, speed], words),
+            computed(time[wet], found[name].speed[wet]),
+        )
+        panels.append(Panel(f"speed at 1.5 m, {WORDS[name]}", "t (s)", "u (m/s)", curves))
+    return tuple(panels)
 
 
 COMPARISONS = (

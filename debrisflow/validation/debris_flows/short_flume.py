@@ -196,7 +196,10 @@ COMPARISONS = (
             "Whether what is left of the bed is at rest four seconds after the supply has ended at "
             "2 s, and thicker downstream."
         ),
-        reference="none: what must hold of any deposit",
+        reference=(
+            "limit slope of a saturated bed, 18.4°, which is more than the 15° of the flume: "
+            "Takahashi 1978, Journal of the Hydraulics Division ASCE 104, 1153"
+        ),
         parameters="`cases/bed_erosion2d.toml` with a supply that ends",
         levels=(Level(6, "5 mm", 60), Level(8, "3.75 mm", 180), Level(12, "2.5 mm", 600)),
         measure=measure_deposit,

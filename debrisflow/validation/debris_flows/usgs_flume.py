@@ -319,7 +319,7 @@ COMPARISONS = (
         parameters=_FLUME + "friction angle of 40.7° (measured)",
         calibrated="ξ of Voellmy's law, 1000 m/s², on the mean arrival at 32 m, at 100 mm",
         levels=(
-            Level(DEPTH / 0.15, "150 mm", 36, is_quick=True),
+            Level(DEPTH / 0.15, "150 mm", 26, is_quick=True),
             Level(DEPTH / 0.1, "100 mm", 160),
             Level(DEPTH / 0.0667, "67 mm", 900),
         ),
@@ -339,7 +339,7 @@ COMPARISONS = (
         parameters=_FLUME + "friction angle of 31°",
         calibrated="nothing on this bed; ξ = 1000 m/s² is that fitted on the rough one",
         levels=(
-            Level(DEPTH / 0.2, "200 mm", 14, is_quick=True),
+            Level(DEPTH / 0.2, "200 mm", 15, is_quick=True),
             Level(DEPTH / 0.15, "150 mm", 50),
             Level(DEPTH / 0.1, "100 mm", 220),
         ),

@@ -119,7 +119,7 @@ COMPARISONS = (
         levels=(
             Level(1, "1 row", 1, is_quick=True),
             Level(2, "2 rows", 2, is_quick=True),
-            Level(4, "4 rows", 10),
+            Level(4, "4 rows", 6),
         ),
         measure=measure,
         error="greatest error of the speed / steady speed",

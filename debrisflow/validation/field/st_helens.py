@@ -341,7 +341,7 @@ COMPARISONS = (
         "erosion, no strength inside",
         calibrated="μ and ξ, on run-out and extent, at 2 m",
         levels=(
-            Level(1, "4 m", 3, is_quick=True),
+            Level(1, "4 m", 3),
             Level(2, "2 m", 40, is_quick=True),
             Level(DEPTH / 1.4, "1.4 m", 180),
             Level(4, "1 m", 680),
