@@ -192,6 +192,14 @@ def conserved(measure: str, value: float, most: float, reason: str, unit: str = 
     return Row(measure, float(value), unit, high=most, reason=reason, is_conserved=True)
 
 
+def energy_gained(greatest: float, most: float = 0.005, where: str = "") -> Row:
+    """Return the row of the greatest energy of a flow that nothing drives, over that of its start."""
+    reason = "nothing supplies energy; what is left to it is the error of a finite step"
+    return conserved(
+        f"{where}energy gained at most / that of the start", greatest - 1.0, most, reason, "%"
+    )
+
+
 def none_of(measure: str, count: float, reason: str = "exact") -> Row:
     """Return the row of what must not happen at all, as particles that are lost."""
     return Row(measure, float(count), "", 0.0, 0.0, reason=reason, is_conserved=True)

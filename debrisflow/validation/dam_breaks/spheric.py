@@ -18,10 +18,10 @@ from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.validation.comparison import Comparison, Group, Level, Measured
 from debrisflow.validation.curves import Panel, computed, measured
-from debrisflow.validation.dam_breaks.fronts import EXPERIMENTS, gained
+from debrisflow.validation.dam_breaks.fronts import EXPERIMENTS
 from debrisflow.validation.files import CASES
 from debrisflow.validation.marching import energy, states
-from debrisflow.validation.row import Row, at_most, near, none_of, stated
+from debrisflow.validation.row import Row, at_most, energy_gained, near, none_of, stated
 
 Floats = NDArray[np.float64]
 CASE = CASES / "marin3d.toml"
@@ -225,7 +225,7 @@ def measure(level: Level) -> Measured:
     rows = [
         *level_rows(found),
         *pressure_rows(found),
-        gained(found.energy),
+        energy_gained(found.energy),
         none_of("particles through a wall", found.through_wall),
     ]
     errors = [found.level_error(name) for name in ("h2", "h3", "h4")]

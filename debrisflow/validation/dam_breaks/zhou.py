@@ -18,9 +18,9 @@ from debrisflow.run.probe import Sampler
 from debrisflow.run.probes import samplers
 from debrisflow.validation.comparison import Comparison, Group, Level, Measured
 from debrisflow.validation.curves import Curve, Panel, computed, measured
-from debrisflow.validation.dam_breaks.fronts import EXPERIMENTS, gained
+from debrisflow.validation.dam_breaks.fronts import EXPERIMENTS
 from debrisflow.validation.marching import energy, states
-from debrisflow.validation.row import Row, at_least, at_most, near, none_of, stated
+from debrisflow.validation.row import Row, at_least, at_most, energy_gained, near, none_of, stated
 
 Floats = NDArray[np.float64]
 CASE = EXPERIMENTS / "zhou.toml"
@@ -69,11 +69,9 @@ class Impact:
 
 
 def arrival(time: Floats, values: Floats, threshold: float) -> float:
-    """Return when a series first passes a threshold, between two readings, s; nan if never."""
-    k = int(np.argmax(values > threshold))
-    if k == 0:
-        return np.nan
-    return float(np.interp(threshold, values[k - 1 : k + 1], time[k - 1 : k + 1]))
+    """Return when a series is first read above a threshold, s; nan if never."""
+    above = values > threshold
+    return float(time[np.argmax(above)]) if above.any() else np.nan
 
 
 def mean(time: Floats, values: Floats, start: float, end: float) -> float:
@@ -121,7 +119,9 @@ def level_rows(found: Impact) -> Iterable[Row]:
         ours = arrival(found.series["time"], found.series[name], WET)
         title = f"arrival at {name.upper()}, 2 cm deep"
         reason = "the gate of the experiment; repeated releases scatter by some per cent"
-        yield near(title, ours, theirs, reason, share=0.05, unit="s")
+        yield near(
+            title, ours, theirs, reason, share=0.05, unit="s", miss=_READINGS, is_certain=False
+        )
 
 
 def pressure_rows(found: Impact, spacing: float) -> Iterable[Row]:
@@ -152,7 +152,7 @@ def measure(level: Level) -> Measured:
     rows = [
         *level_rows(found),
         *pressure_rows(found, spacing),
-        gained(found.energy),
+        energy_gained(found.energy),
         none_of("particles through a wall", found.lost),
     ]
     errors = [found.level_error(name) for name in GAUGES]
@@ -183,6 +183,10 @@ def _until(rows: Floats, unit: float) -> Curve:
 _COARSE = (
     "at 20 mm the layer at the gauge is two to four rows deep, and a row is 2 cm; at 10 mm the "
     "limit is held"
+)
+_READINGS = (
+    "by 2 ms at 10 mm: the gauge is read up to 26 ms apart, and interpolated between its readings it "
+    "is wet at 0.384 s"
 )
 _LATE = (
     "the jet that climbs the wall is three particles thick at 20 mm and loses its head, so that "
@@ -215,7 +219,8 @@ COMPARISONS = (
         error="mean of the rms of H1 and H2 to 1.4 s / depth of the column",
         discussion=(
             "Levels and pressure are digitised; P2 has 0.7 kPa of noise before the wave arrives. "
-            "Times are interpolated between the readings, which are up to 26 ms apart. "
+            "An arrival is that of the first reading above the threshold; the readings are up to "
+            "26 ms apart. "
             "Behind the front the measured depths have a hump of 3 to 5 cm, which the runs lack at "
             "all spacings and whose cause is not known; later the runs are 2 cm deeper at H2. "
             "The depth counts what is filled, as a wire does."
