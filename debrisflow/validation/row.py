@@ -193,11 +193,10 @@ def conserved(measure: str, value: float, most: float, reason: str, unit: str = 
 
 
 def energy_gained(greatest: float, most: float = 0.005, where: str = "") -> Row:
-    """Return the row of the greatest energy of a flow that nothing drives, over that of its start."""
+    """Return the row of the greatest energy of a closed flow, over that of its start."""
+    measure = f"{where}energy gained at most / that of the start"
     reason = "nothing supplies energy; what is left to it is the error of a finite step"
-    return conserved(
-        f"{where}energy gained at most / that of the start", greatest - 1.0, most, reason, "%"
-    )
+    return conserved(measure, greatest - 1.0, most, reason, "%")
 
 
 def none_of(measure: str, count: float, reason: str = "exact") -> Row:

@@ -185,8 +185,8 @@ _COARSE = (
     "limit is held"
 )
 _READINGS = (
-    "by 2 ms at 10 mm: the gauge is read up to 26 ms apart, and interpolated between its readings it "
-    "is wet at 0.384 s"
+    "by 2 ms at 10 mm: the gauge is read up to 26 ms apart, and interpolated between its readings "
+    "it is wet at 0.384 s"
 )
 _LATE = (
     "the jet that climbs the wall is three particles thick at 20 mm and loses its head, so that "
