@@ -177,7 +177,7 @@ COMPARISONS = (
         levels=(
             Level(10, "10 rows", 4),
             Level(20, "20 rows", 7, is_quick=True),
-            Level(40, "40 rows", 50),
+            Level(40, "40 rows", 20),
         ),
         measure=partial(measure, "bingham"),
     ),
