@@ -52,11 +52,21 @@ class Slope(NamedTuple):
 
 
 class Flow(NamedTuple):
-    """The flow at one time: places, depths, (n,) float64 arrays, m, and the speed of its mass."""
+    """The flow at one time.
+
+    Attributes
+    ----------
+    place, depth : (n,) float64 array, m
+    speed : float, m/s
+        Of its center of mass.
+    energy : float
+        Integral of ``h u^2``, m4/s2.
+    """
 
     place: Floats
     depth: Floats
     speed: float
+    energy: float
 
     def reached(self, share: float) -> float:
         """Return up to where a share of the volume lies, m."""
@@ -89,8 +99,14 @@ def release(
             dt = min(COURANT * cell / fastest, time - now)
             h, q = _step(bed, h, q, u, angle, cell, dt)
             now += dt
-        found.append(Flow(place, h.copy(), float(q.sum() / h.sum())))
+        found.append(_flow(place, h, q))
     return found
+
+
+def _flow(place: Floats, h: Floats, q: Floats) -> Flow:
+    wet = h > DRY
+    energy = float(np.sum(q[wet] ** 2 / h[wet]) * (place[1] - place[0]))
+    return Flow(place, h.copy(), float(q.sum() / h.sum()), energy)
 
 
 def _step(

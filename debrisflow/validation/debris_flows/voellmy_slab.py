@@ -37,6 +37,8 @@ INTERVAL, LATEST = 0.25, 60.0
 """Time between two rows of the record, and the latest end, s."""
 REST = 0.01
 """Share of the greatest kinetic energy at which a slab is at rest."""
+AVERAGED_TIMES = np.arange(INTERVAL, 30.0, INTERVAL)
+"""Of the record of the depth-averaged flow, which is at rest before, s."""
 FREE = {"friction": {"law": "none"}}
 VOELLMY = {"law": "voellmy", "coefficient": SLIDING, "turbulence": TURBULENT}
 AVERAGED = (
@@ -44,10 +46,10 @@ AVERAGED = (
     "centrifugal pressure in the bend"
 )
 UNLIKE = (
-    "unlike a depth-averaged flow, which thins to nothing, one of particles is a row deep at "
-    "least, and is not slowed as a thinner one; in eight rows the upper ones slide over the "
-    "lowest, which alone feels the bed. The friction itself is right, see `voellmy_layer`, and so "
-    "is what a slab loses in the bend, cos 20° - μ sin 20° of its speed within 3 %"
+    "the depth-averaged flow leaves a tenth of its volume on the slope as a film, which one of "
+    "particles, a row deep at least, does not; in eight rows the upper ones slide over the lowest, "
+    "which alone feels the bed. The friction itself is right, see `voellmy_layer`, and so is what "
+    "a slab loses in the bend, cos 20° - μ sin 20° of its speed within 3 %"
 )
 
 
@@ -146,16 +148,19 @@ def advance_evenly(scheme: Scheme, state: State, due: float) -> None:
         state.step += 1
 
 
-def shallow(times: Floats) -> list[Flow]:
-    """Return what a depth-averaged flow of the same slab does at times."""
+def shallow() -> list[Flow]:
+    """Return what a depth-averaged flow of the same slab does until it is at rest as well."""
     bed = Slope(END, BEND, SLOPE, MILD, SLIDING, TURBULENT)
-    return release(bed, BACK, BACK + LENGTH, DEPTH, times)
+    found = release(bed, BACK, BACK + LENGTH, DEPTH, AVERAGED_TIMES)
+    energy = np.array([one.energy for one in found])
+    rests = energy < REST * np.maximum.accumulate(energy)
+    return found[: int(np.argmax(rests)) + 1]
 
 
 def measure(level: Level) -> Measured:
     """Return the run-out of a slab at a level."""
     found = run(round(level.across))
-    known = shallow(found.times[1:])
+    known = shallow()
     last = known[-1]
     front, middle = (last.reached(share) - BEND for share in (0.99, 0.5))
     rows = (
@@ -201,6 +206,7 @@ def measure(level: Level) -> Measured:
 
 def _panels(found: Runout, known: list[Flow]) -> tuple[Panel, ...]:
     shares = np.linspace(0.01, 0.99, 50)
+    times = np.append(0.0, AVERAGED_TIMES[: len(known)])
     return (
         Panel(
             "volume at rest",
@@ -218,7 +224,7 @@ def _panels(found: Runout, known: list[Flow]) -> tuple[Panel, ...]:
             "t (s)",
             "along the steep bed (m/s)",
             (
-                exact(found.times, [0.0, *(one.speed for one in known)], "depth-averaged"),
+                exact(times, [0.0, *(one.speed for one in known)], "depth-averaged"),
                 computed(found.times, found.speeds),
             ),
         ),

@@ -29,7 +29,7 @@ from debrisflow.run.simulation import simulate
 from debrisflow.run.tables import Table, read_table
 from debrisflow.space.ground import ground_of
 from debrisflow.validation.comparison import Comparison, Group, Level, Measured
-from debrisflow.validation.curves import Panel, computed, measured
+from debrisflow.validation.curves import Panel, computed, exact, measured
 from debrisflow.validation.files import CASES
 from debrisflow.validation.row import Row, at_least, at_most, near, none_of, stated
 
@@ -297,7 +297,7 @@ def _panels(found: Runout) -> tuple[Panel, ...]:
             "t (s)",
             place,
             (
-                measured([0.0, LIMIT], observed, "observed end"),
+                exact([0.0, LIMIT], observed, "observed end"),
                 computed(time[known], front[known]),
             ),
         ),
