@@ -112,7 +112,7 @@ COMPARISONS = (
         title="Check dam in a flume, closed and with a slit: ledger",
         group=Group.DAM_BREAKS,
         compared="Particles that entered, are held, have passed, are below and have left.",
-        reference="conservation of volume",
+        reference="closed form: conservation of volume",
         parameters="check_dam3d.toml; the slit is 3 of 7 cm wide",
         levels=(Level(7, "d0 = 10 mm", 9, is_quick=True), Level(14, "d0 = 5 mm", 120)),
         measure=measure,

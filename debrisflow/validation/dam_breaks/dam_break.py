@@ -172,7 +172,7 @@ COMPARISONS = (
             "Fronts at 0.05, 0.09, 0.13 and 0.17 s against those at twice the spacing, and the "
             "energy lost before the impact, of which inviscid flow loses none."
         ),
-        reference="conservation of energy; the finer of two runs",
+        reference="closed form: energy is conserved; the finer of two runs",
         parameters="dam_break2d.toml with a floor that slips freely, and no roughness",
         levels=(
             Level(16, "a/16", 1),

@@ -59,7 +59,7 @@ COMPARISONS = (
         title="Jet on a floor, turned up by a dam",
         group=Group.DAM_BREAKS,
         compared="Mean thrust from 0.6 to 1.2 s against the momentum that the jet brings.",
-        reference="momentum, ρ Q u",
+        reference="closed form: momentum, ρ Q u",
         parameters=(
             "explicit scheme, no gravity, walls that slip freely, inflow 0.05 m thick at 1 m/s, "
             "four spacings wide"

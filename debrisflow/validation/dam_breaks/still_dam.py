@@ -119,7 +119,7 @@ COMPARISONS = (
         title="Still water on a dam, and on a plate wet on both sides",
         group=Group.DAM_BREAKS,
         compared="Mean force along the flow from 1 to 2 s against that of the depths.",
-        reference="hydrostatics",
+        reference="closed form: hydrostatics",
         parameters=(
             "explicit scheme; dam across a tank, 0.1 m of water; plate across a tank with smooth "
             "walls, 0.5 and 0.25 m of water; the levels are rows over the greater depth"
