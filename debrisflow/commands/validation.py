@@ -9,6 +9,7 @@ import click
 
 from debrisflow.commands.console import RESULT, print_files, print_json
 from debrisflow.commands.options import PATH, json_option
+from debrisflow.errors import CaseError
 
 if TYPE_CHECKING:
     from debrisflow.validation.comparison import Comparison
@@ -56,12 +57,17 @@ def validate(
     from debrisflow._jit import cores
     from debrisflow.validation.publication import Validation
     from debrisflow.validation.result import count, plain
-    from debrisflow.validation.runner import compute, tasks_of
+    from debrisflow.validation.runner import compute, plan, tasks_of
     from debrisflow.validation.table import level_lines, summary
 
-    run = Validation.begin(output, comparisons)
     tasks = tasks_of(comparisons, is_quick)
-    for task, found in compute(tasks, workers or cores()):
+    if not tasks:
+        raise CaseError(f"not in the quick set: {', '.join(names)}; leave out --quick")
+    run = Validation.begin(output, comparisons)
+    workers = workers or cores()
+    if not as_json:
+        click.echo(f"{plan(tasks, workers)}\n")
+    for task, found in compute(tasks, workers):
         comparison = run.add(task.name, found)
         if as_json:
             print_json({"event": "level", "name": task.name} | plain(found._replace(panels=())))

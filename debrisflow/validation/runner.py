@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from debrisflow import __version__
 from debrisflow.errors import DebrisflowError, OutputError
+from debrisflow.run.duration import duration
 from debrisflow.validation.comparison import Comparison, Measured
 from debrisflow.validation.register import COMPARISONS
 from debrisflow.validation.result import LevelResult, Origin, level_result
@@ -35,6 +36,18 @@ def tasks_of(chosen: Sequence[Comparison], is_quick: bool) -> list[Task]:
         if level.is_quick or not is_quick
     ]
     return [task for _, task in sorted(pairs, key=lambda pair: -pair[0])]
+
+
+def plan(tasks: Sequence[Task], workers: int) -> str:
+    """Return how many levels are to be computed, and how long it takes, in words."""
+    seconds = [COMPARISONS[task.name].level(task.label).seconds for task in tasks]
+    workers = min(workers, len(tasks))
+    expected = max(sum(seconds) / max(workers, 1), *seconds, 0.0)
+    return (
+        f"{len(tasks)} levels of {len({task.name for task in tasks})} comparisons, {workers} at a "
+        f"time: about {duration(expected)}, without the compilation of the kernels; the longest "
+        "come first"
+    )
 
 
 def origin() -> Origin:

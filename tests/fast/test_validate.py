@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
 
@@ -192,6 +193,7 @@ def test_what_fails_is_told_and_the_others_go_on(known, tmp_path: Path):
 
 def test_an_unexplained_miss_has_an_exit_code_and_a_known_one_has_none(known, tmp_path: Path):
     printed = validate("tank", "--workers=1", "-o", str(tmp_path))
+    assert printed.startswith("3 levels of 1 comparisons, 1 at a time: about 2 s")
     assert "why: no gate, tried two" in printed
     printed = validate("wrong", "--quick", "--workers=1", "-o", str(tmp_path), code=5)
     assert "wrong, 10 rows: error, 50 % (at most 10 %)" in printed
@@ -254,6 +256,15 @@ def test_a_misspelled_name_is_refused_with_the_likely_one(known):
     assert "did you mean 'tank'" in validate("tanc", code=2)
     with pytest.raises(CaseError, match="debrisflow validate --list"):
         selection.chosen(["nothing"])
+
+
+def test_what_is_not_in_the_quick_set_is_said(known, monkeypatch, tmp_path: Path):
+    slow = comparison("slow")
+    slow = replace(slow, levels=tuple(level._replace(is_quick=False) for level in slow.levels))
+    monkeypatch.setitem(known, "slow", slow)
+    printed = validate("slow", "--quick", "-o", str(tmp_path / "new"), code=2)
+    assert "not in the quick set: slow; leave out --quick" in printed
+    assert not (tmp_path / "new").exists()
 
 
 def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_computed(known, tmp_path: Path):
