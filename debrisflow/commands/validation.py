@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @click.option(
     "--workers",
     type=click.IntRange(min=1),
-    help="Computed at a time, one thread each; as many as there are cores if left out.",
+    help="Levels computed at the same time, one thread each; as many as cores if left out.",
 )
 @json_option
 def validate(
@@ -45,7 +45,7 @@ def validate(
 
     NAMEs are those of comparisons or groups of them, as --list shows; all if left out.  A folder
     is written with a table, a report in HTML and a page in Markdown.  The exit code is 5 if a row
-    is outside its limit for no known reason.
+    is outside its limit unexpectedly.
     """
     from debrisflow.validation.selection import chosen
 

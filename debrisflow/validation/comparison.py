@@ -34,7 +34,7 @@ class Level(NamedTuple):
     label : str
         As "20 rows" or "d0 = 10 mm".
     seconds : float
-        Processor time that it takes, about, on one core of 2026, without compilation.
+        Processor time that it takes, about, on one core, without compilation.
     is_quick : bool
         Whether it belongs to the quick set.
     """

@@ -82,7 +82,7 @@ def _curve(label: str, x: ArrayLike, y: ArrayLike, kind: Kind) -> Curve:
 
 
 def _thinned(values: ArrayLike) -> tuple[float, ...]:
-    """Return every so manieth value, with five digits."""
+    """Return the values with five digits, of many only some, evenly chosen."""
     array = np.asarray(values, dtype=np.float64).ravel()
     if array.size > MOST_POINTS:
         array = array[np.linspace(0, array.size - 1, MOST_POINTS).astype(int)]

@@ -14,12 +14,12 @@ from debrisflow.validation.table import summary
 
 PAGE = "validation.md"
 _INTRODUCTION = """\
-This page is written by `debrisflow validate`; nothing on it is typed. Each row is a figure that was
-computed, the limit that it is held to, and the reason of the limit: the scatter of the experiment,
-the error of other codes, the resolution. A value in brackets is that of the reference. "Missed"
-means outside the limit; why, and what was tried, stands below the table. "Stated" figures are held
-to nothing. d0 is the particle spacing. Rows on conservation (particles that are lost, energy that
-is gained) are counted apart.
+The tables and figures of this page are written by `debrisflow validate`. Each row is a figure that
+was computed, the limit that it is held to, and the reason of the limit: the scatter of the
+experiment, the error of other codes, the resolution. A value in brackets is that of the reference.
+"Missed" means outside the limit; below the table stands why, as far as it is known, and what was
+tried. "Stated" figures are held to nothing. d0 is the particle spacing. Rows on conservation
+(particles that are lost, energy that is gained) are counted apart.
 """
 
 
@@ -66,11 +66,12 @@ def computed_by(results: Sequence[Result]) -> str:
     origins = [level.origin for result in results for level in result.levels]
     dates = sorted({origin.date for origin in origins})
     versions = sorted({origin.version for origin in origins})
+    kernels = sorted({origin.kernels for origin in origins})
     processors = sorted({f"{one.processor} (Python {one.python})" for one in origins})
     days = " to ".join(dict.fromkeys((dates[0], dates[-1]))) if dates else "never"
     return (
-        f"Computed {days} with debrisflow {', '.join(versions)} on one thread of "
-        f"{', '.join(processors)}."
+        f"Computed {days} with debrisflow {', '.join(versions)}, kernels {', '.join(kernels)}, on "
+        f"one thread of {', '.join(processors)}."
     )
 
 

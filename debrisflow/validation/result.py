@@ -27,12 +27,15 @@ class Origin(NamedTuple):
     date : str
         Year, month, day.
     version, processor, python : str
+    kernels : str
+        Digest of the sources that the machine code comes from.
     """
 
     date: str
     version: str
     processor: str
     python: str
+    kernels: str
 
 
 class LevelResult(NamedTuple):
@@ -84,6 +87,12 @@ class Result(NamedTuple):
         return [(level, row) for level in self.levels for row in level.rows]
 
     @property
+    def is_within(self) -> bool:
+        """Whether every row with a limit is within it, and nothing failed."""
+        held = all(row.is_within for _, row in self.rows if row.has_limit)
+        return held and not self.failures
+
+    @property
     def misses(self) -> list[str]:
         """Why rows are missed, each reason once, in the order of the rows."""
         known = [row.miss for _, row in self.rows if row.verdict is Verdict.KNOWN]
@@ -110,13 +119,13 @@ class Result(NamedTuple):
         return convergence([Step(le.label, le.across, le.error, le.seconds) for le in self.levels])
 
     def with_levels(self, newer: Sequence[LevelResult]) -> Result:
-        """Return the result with newer levels; those of another version are left out."""
+        """Return the result with newer levels; those that other kernels gave are left out."""
         if not newer:
             return self
         by_label = {
             level.label: level
             for level in self.levels
-            if level.origin.version == newer[0].origin.version
+            if level.origin.kernels == newer[0].origin.kernels
         }
         by_label |= {level.label: level for level in newer}
         known = [level.label for level in self.comparison.levels]
@@ -141,9 +150,11 @@ class Count(NamedTuple):
     Attributes
     ----------
     within, known, missed : int
-        Of those that are held to a reference: within, missed for a known reason, unexplained.
+        Of those that are held to a reference: within, missed as the table says, missed unexpectedly.
     conserved, not_conserved : int
         Of those on conservation.
+    whole, comparisons : int
+        Comparisons of which every row is within, and all.
     failures : int
         Levels that were not computed.
     """
@@ -153,6 +164,8 @@ class Count(NamedTuple):
     missed: int
     conserved: int
     not_conserved: int
+    whole: int
+    comparisons: int
     failures: int
 
     @property
@@ -172,6 +185,8 @@ def count(results: Sequence[Result]) -> Count:
         missed=physics.count(Verdict.MISSED),
         conserved=kept.count(True),
         not_conserved=kept.count(False),
+        whole=sum(result.is_within for result in results),
+        comparisons=len(results),
         failures=sum(len(result.failures) for result in results),
     )
 
@@ -236,7 +251,7 @@ def _level(one: dict[str, Any], panels: list[dict[str, Any]]) -> LevelResult:
 
 
 def _row(one: dict[str, Any]) -> Row:
-    numbers = {name: float(one[name]) for name in ("value", "low", "high", "expected")}
+    numbers = {name: float(one[name]) for name in ("value", "low", "high", "expected", "worst")}
     return Row(**one | numbers)
 
 

@@ -15,7 +15,7 @@ class Verdict(StrEnum):
 
     WITHIN = "within"
     KNOWN = "missed"
-    MISSED = "missed, unexplained"
+    MISSED = "missed, unexpected"
     STATED = "stated"
 
 
@@ -36,9 +36,13 @@ class Row(NamedTuple):
     reason : str
         Of the limits: the scatter of the experiment, another code's error, the resolution.
     miss : str
-        Why the limits are missed, and what was tried; empty if they are expected to be held.
+        Why the limits are missed, as far as it is known, and what was tried; empty if they are
+        expected to be held.
+    worst : float
+        How far outside the limits ``miss`` speaks of, in the unit of the value and on the side that
+        is missed; what is farther out, or on the other side, is not expected.
     is_certain : bool
-        Whether a known miss is one on every processor; chaos decides elsewhere.
+        Whether the miss is one on every processor; chaos decides elsewhere.
     is_conserved : bool
         Whether it says that nothing was lost or made, and is no distance from a reference; such
         rows are counted apart.
@@ -52,6 +56,7 @@ class Row(NamedTuple):
     expected: float = nan
     reason: str = ""
     miss: str = ""
+    worst: float = nan
     is_certain: bool = True
     is_conserved: bool = False
 
@@ -72,13 +77,14 @@ class Row(NamedTuple):
         Examples
         --------
         >>> at_most("rms of the front", 0.113, 0.10, "two experiments", "%").verdict.value
-        'missed, unexplained'
+        'missed, unexpected'
         """
         if not self.has_limit:
             return Verdict.STATED
         if self.is_within:
             return Verdict.WITHIN
-        return Verdict.KNOWN if self.miss else Verdict.MISSED
+        is_expected = self.high < self.value <= self.worst or self.worst <= self.value < self.low
+        return Verdict.KNOWN if self.miss and is_expected else Verdict.MISSED
 
     def shown_value(self) -> str:
         """Return the value with its unit, and the one of the reference.
@@ -140,7 +146,7 @@ def at_most(
         As of :class:`Row`.
     value, most : float
     known
-        ``expected``, ``miss`` and ``is_certain`` of :class:`Row`.
+        ``expected``, ``miss``, ``worst`` and ``is_certain`` of :class:`Row`.
     """
     return Row(measure, float(value), unit, high=most, reason=reason, **known)
 
@@ -180,7 +186,7 @@ def near(
     share, margin : float
         By which it may differ: as a share of what is expected, or in the unit.
     known
-        ``miss`` and ``is_certain`` of :class:`Row`.
+        ``miss``, ``worst`` and ``is_certain`` of :class:`Row`.
     """
     off = margin + share * abs(expected)
     bounds = (float(expected) - off, float(expected) + off)

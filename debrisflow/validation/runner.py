@@ -44,18 +44,17 @@ def plan(tasks: Sequence[Task], workers: int) -> str:
     workers = min(workers, len(tasks))
     expected = max(sum(seconds) / max(workers, 1), *seconds, 0.0)
     return (
-        f"{len(tasks)} levels of {len({task.name for task in tasks})} comparisons, {workers} at a "
-        f"time: about {duration(expected)}, without the compilation of the kernels; the longest "
-        "come first"
+        f"levels to compute: {len(tasks)}, of {len({task.name for task in tasks})} comparisons, "
+        f"{workers} at a time; about {duration(expected)}, without the compilation of the kernels"
     )
 
 
 def origin() -> Origin:
     """Return when and by what a level is computed now."""
-    from debrisflow._jit import PROCESSOR
+    from debrisflow._jit import KERNELS, PROCESSOR
 
     today = datetime.now(UTC).strftime("%Y-%m-%d")
-    return Origin(today, __version__, PROCESSOR, platform.python_version())
+    return Origin(today, __version__, PROCESSOR, platform.python_version(), KERNELS)
 
 
 def computed(task: Task) -> LevelResult:

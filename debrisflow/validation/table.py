@@ -60,7 +60,7 @@ def row_lines(row: Row) -> Iterator[str]:
     if row.miss and row.verdict is Verdict.KNOWN:
         yield from _wrapped(f"why: {row.miss}", INDENT)
     if row.miss and row.verdict is Verdict.WITHIN:
-        yield from _wrapped("known as a miss, and within its limit here", INDENT)
+        yield from _wrapped("elsewhere a miss, and within its limit here", INDENT)
 
 
 def _wrapped(text: str, first: str, later: str | None = None) -> list[str]:
@@ -74,9 +74,10 @@ def summary(results: Sequence[Result]) -> str:
     share = f" ({shown(found.within / found.held, PERCENT)})" if found.held else ""
     parts = [
         f"{found.within} of {found.held} rows within their limits{share}",
-        f"{found.known} missed for a known reason",
-        f"{found.missed} missed unexplained",
+        f"{found.known} missed as the table discusses",
+        f"{found.missed} missed unexpectedly",
         f"{found.conserved} of {found.conserved + found.not_conserved} checks of conservation hold",
+        f"{found.whole} of {found.comparisons} comparisons without a miss",
     ]
     return ", ".join([*parts, f"{found.failures} not computed"] if found.failures else parts)
 

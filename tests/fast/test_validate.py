@@ -33,10 +33,10 @@ from debrisflow.validation.row import (
 )
 from debrisflow.validation.runner import Task, tasks_of
 
-TODAY = Origin("2026-01-02", "1.0", "a processor", "3.11")
+TODAY = Origin("2026-01-02", "1.0", "a processor", "3.11", "ab12")
 ROWS = (
     at_most("error of the pressure", 0.008, 0.02, "free surface of particles", "%"),
-    near("front", 1.2, 1.0, "scatter", share=0.1, unit="m", miss="no gate, tried two"),
+    near("front", 1.2, 1.0, "scatter", share=0.1, unit="m", miss="no gate, tried two", worst=1.3),
     stated("speed", 3.0, "m/s"),
     none_of("particles lost", 0),
 )
@@ -97,6 +97,25 @@ def test_a_row_says_whether_it_is_within():
     assert none_of("lost", 0).verdict is Verdict.WITHIN
 
 
+@pytest.mark.parametrize(
+    ("value", "verdict"),
+    [
+        (1.05, Verdict.WITHIN),
+        (1.2, Verdict.KNOWN),
+        (1.31, Verdict.MISSED),  # worse than what is known
+        (0.8, Verdict.MISSED),  # on the other side
+        (nan, Verdict.MISSED),
+    ],
+)
+def test_a_known_miss_excuses_only_what_it_speaks_of(value: float, verdict: Verdict):
+    row = near("front", value, 1.0, "scatter", share=0.1, miss="no gate", worst=1.3)
+    assert row.verdict is verdict
+
+
+def test_a_miss_without_a_worst_value_excuses_nothing():
+    assert at_most("error", 1.2, 1.0, "scatter", miss="no gate").verdict is Verdict.MISSED
+
+
 @pytest.mark.parametrize("value", [nan, inf, -inf])
 def test_what_is_no_number_is_within_no_limit(value):
     assert at_most("error", value, 1.0, "").verdict is Verdict.MISSED
@@ -143,7 +162,7 @@ def test_results_are_read_as_they_were_written(tmp_path: Path):
     assert repr(read_result(tmp_path, one).levels) == repr(result.levels)  # some are nan
 
 
-def test_a_newer_level_takes_the_place_of_the_older_and_another_version_is_left_out(tmp_path: Path):
+def test_a_newer_level_takes_the_place_of_the_older_and_other_kernels_are_left_out(tmp_path: Path):
     one = comparison()
     first, second, third = one.levels
     old = [level_result(level, fall(level), TODAY, 2.0) for level in (first, third)]
@@ -154,7 +173,7 @@ def test_a_newer_level_takes_the_place_of_the_older_and_another_version_is_left_
         "20 rows",
         "40 rows",
     ]
-    other = newer._replace(origin=TODAY._replace(version="2.0"))
+    other = newer._replace(origin=TODAY._replace(kernels="cd34"))
     assert [level.label for level in result.with_levels([other]).levels] == ["20 rows"]
 
 
@@ -185,7 +204,7 @@ def test_what_fails_is_told_and_the_others_go_on(known, tmp_path: Path):
     )
     assert "broken, 10 rows: particle 3 is nowhere" in printed
     assert "a fault of the program: ZeroDivisionError: by zero" in printed
-    assert "1 of 2 rows within their limits (50 %), 1 missed for a known reason" in printed
+    assert "1 of 2 rows within their limits (50 %), 1 missed as the table discusses" in printed
     assert "2 not computed" in printed
     assert "| particle 3 is nowhere" not in (tmp_path / "report.html").read_text()
     assert "particle 3 is nowhere" in (tmp_path / "report.html").read_text()
@@ -193,7 +212,7 @@ def test_what_fails_is_told_and_the_others_go_on(known, tmp_path: Path):
 
 def test_an_unexplained_miss_has_an_exit_code_and_a_known_one_has_none(known, tmp_path: Path):
     printed = validate("tank", "--workers=1", "-o", str(tmp_path))
-    assert printed.startswith("3 levels of 1 comparisons, 1 at a time: about 2 s")
+    assert printed.startswith("levels to compute: 3, of 1 comparisons, 1 at a time; about 2 s")
     assert "why: no gate, tried two" in printed
     printed = validate("wrong", "--quick", "--workers=1", "-o", str(tmp_path), code=5)
     assert "wrong, 10 rows: error, 50 % (at most 10 %)" in printed
