@@ -150,7 +150,7 @@ class Count(NamedTuple):
     Attributes
     ----------
     within, known, missed : int
-        Of those that are held to a reference: within, missed as the table says, missed unexpectedly.
+        Of those that are held to a reference: within, missed as discussed, missed unexpectedly.
     conserved, not_conserved : int
         Of those on conservation.
     whole, comparisons : int
