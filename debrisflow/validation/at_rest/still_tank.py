@@ -126,7 +126,7 @@ def _rows(found: Still3D, rows: int, where: str) -> list[Row]:
             f"the same with the offset{where}",
             found.raw_pressure_error,
             0.05 if rows < 20 else 0.03,
-            f"resolution: the surface is unsure by half a row, {50.0 / rows:g} % of the depth",
+            f"resolution: the surface is known to half a row, {50.0 / rows:g} % of the depth",
             "%",
         ),
         between(

@@ -214,7 +214,8 @@ def _slope_rows(found: Still, level: Level) -> list[Row]:
             share=0.03,
             unit="kPa/m",
             miss=miss,
-            worst=27.6,
+            worst=28.5,
+            is_certain=False,
         )
         for (layer, density, miss), slope in zip(
             densities, (s / 1e3 for s in found.slopes), strict=True

@@ -235,7 +235,7 @@ def _rows(found: Pool, where: str) -> list[Row]:
             found.aside / found.force,
             -0.03,
             0.03,
-            "chosen: as much as is left to the force across it; nothing pushes along a dam",
+            "chosen: the margin of the force across it; still water gives none along a dam",
             "%",
         ),
         at_most(
