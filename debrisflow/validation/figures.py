@@ -17,6 +17,7 @@ from debrisflow.validation.result import Result
 FIGURES = "figures"
 COLUMNS, HEIGHT = 2, 2.4  # of panels, and inch of a row of them
 LEVELS_WITH_ORDER = 2
+DPI = 100  # all figures stand on one page
 
 
 def draw(result: Result, folder: Path) -> Path | None:
@@ -49,7 +50,8 @@ def draw(result: Result, folder: Path) -> Path | None:
             f"debrisflow {level.origin.version}, {level.origin.date}" for level in result.levels
         )
         one = result.comparison
-        return save(figure, path, one.title, [f"Reference: {one.reference}.", "; ".join(origins)])
+        captions = [f"Reference: {one.reference}.", "; ".join(origins)]
+        return save(figure, path, one.title, captions, DPI)
 
 
 def _draw_panel(axes: Axes, panel: Panel, colors: Mapping[str, object]) -> None:
