@@ -181,8 +181,8 @@ def with_headlines(text: str, results: Sequence[Result]) -> str:
         found = [row for level, row in rows if (level.label, row.measure) == (label, measure)]
         if result is None or not found:
             raise click.ClickException(
-                f"no row '{measure}' of {name} at {label}, which the README shows; compute it with: "
-                f"debrisflow validate {name} -o docs/validation"
+                f"no row '{measure}' of {name} at {label}, which the README shows; compute it "
+                f"with: debrisflow validate {name} -o docs/validation"
             )
         address = f"docs/validation.md#{anchor(result.comparison.group)}"
         lines.append(f"| [{words}]({address}) | {found[0].shown_value()} |")
