@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from debrisflow.validation.at_rest import (
-    backwater,
     still_ground,
     still_tank,
     still_water,
+    terrain_pool,
     tilted_tank,
 )
 from debrisflow.validation.beds import endless_bed, kynch, sedimentation, settling
@@ -54,7 +54,7 @@ _MODULES = (
     tilted_tank,
     still_tank,
     still_ground,
-    backwater,
+    terrain_pool,
     start_up,
     taylor_green,
     rough_film,

@@ -22,14 +22,14 @@ from debrisflow.space.mesh_pieces import (
     top_of_structures,
 )
 from debrisflow.space.scene import faces_of
-from debrisflow.validation.at_rest.backwater import (
+from debrisflow.validation.at_rest.terrain_pool import (
     CREST,
     DAM,
     GRID,
     LEVEL,
     THICKNESS,
-    backwater_case,
     normal_of,
+    pool_case,
 )
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -62,12 +62,12 @@ PROBES = [
 
 def case_of(folder, **changes):
     probes = [{"interval": 0.5 * END, **probe} for probe in changes.pop("probes", PROBES)]
-    return backwater_case(folder, 1.0, TURN, end=changes.pop("end", END), probes=probes, **changes)
+    return pool_case(folder, 1.0, TURN, end=changes.pop("end", END), probes=probes, **changes)
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("backwater")
+    folder = tmp_path_factory.mktemp("pool")
     simulate(case_of(folder), folder / "run")
     return Run(folder / "run")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from debrisflow.validation.at_rest import backwater, still_water
+from debrisflow.validation.at_rest import still_water, terrain_pool
 
 
 def test_the_pressure_of_still_water_converges():
@@ -21,7 +21,7 @@ def test_the_operators_of_the_study_are_worse():
 
 
 def test_what_flows_over_a_dam_is_counted(tmp_path):
-    found = backwater.run_backwater(tmp_path, 1.0, backwater.TURNED, crest=backwater.LOW_CREST)
+    found = terrain_pool.run_pool(tmp_path, 1.0, terrain_pool.TURNED, crest=terrain_pool.LOW_CREST)
     assert found.passed > 0
     assert found.left > 0
     assert found.missing == found.through == 0

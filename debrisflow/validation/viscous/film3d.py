@@ -175,7 +175,7 @@ def measure(slurries: dict[str, Tables], level: Level) -> Measured:
                 f"yield stress {TOO_STRONG:g} times that on the bed: farthest way in 2 s",
                 float(displacement(TOO_STRONG, rows).max()),
                 0.1,
-                "a tenth of a spacing: the lattice settles",
+                "chosen: a tenth of a spacing, by which the lattice may settle",
                 "d0",
             )
         )
@@ -184,7 +184,7 @@ def measure(slurries: dict[str, Tables], level: Level) -> Measured:
 
 
 def _rows(name: str, found: Film) -> list[Row]:
-    reason = "resolution: yield lies between two rows; sides without friction hold 0.4 %"
+    reason = "chosen: a fraction of a row, within which the film yields; the sides hold 0.4 %"
     return [
         at_most(
             f"{name}: rms error of the profile / speed of the plug", found.rms, 0.03, reason, "%"
@@ -200,7 +200,7 @@ def _rows(name: str, found: Film) -> list[Row]:
             f"{name}: differences of speed within the upper 0.3 h / the same",
             float(np.ptp(found.speed[found.height > 0.7 * DEPTH])) / found.surface,
             0.01,
-            "it moves as a plug",
+            "chosen: a hundredth; it moves as a plug",
             "%",
         ),
     ]

@@ -109,7 +109,7 @@ def measure(law: str, level: Level) -> Measured:
     rows = round(level.across)
     off = errors(law, rows)
     rms = float(np.sqrt(np.mean(off**2)))
-    reason = "resolution, and rows that pass each other, which make the speed fluctuate by 2 %"
+    reason = "chosen: rows that pass each other make the speed fluctuate by 2 %"
     figures = (
         at_most(
             "rms error of the profile / speed of the surface",
@@ -117,7 +117,9 @@ def measure(law: str, level: Level) -> Measured:
             0.03,
             reason,
             "%",
-            miss=FEW_ROWS if law == "herschel-bulkley" and rows == 10 else "",
+            miss=DEEPER if law == "herschel-bulkley" and rows == 10 else "",
+            worst=0.032,
+            is_certain=False,
         ),
         at_most(
             "greatest error of a row / speed of the surface",
@@ -130,14 +132,14 @@ def measure(law: str, level: Level) -> Measured:
             f"creep in 2 s on {BELOW_YIELD[law]:g}°, below yield",
             creep(law, rows),
             0.1,
-            "a tenth of a spacing: the lattice settles",
+            "chosen: a tenth of a spacing, by which the lattice may settle",
             "d0",
         ),
     )
     return Measured(figures, rms, (_panel(law, off),))
 
 
-FEW_ROWS = "Ten rows are few; with twice as many it is 1.9 %."
+DEEPER = "The floor holds the film as if it lay 0.05 d0 deeper; thinning in shear multiplies that."
 
 
 def _panel(law: str, off: Floats) -> Panel:
@@ -165,7 +167,10 @@ _shared = partial(
     error="rms error of the profile / speed of the surface",
     discussion=(
         "That the film starts with its profile shortens the run; a wrong law would leave it within "
-        "the first tenths of a second."
+        "the first tenths of a second. The films are too fast because the floor holds them as if it "
+        "lay 0.05 d0 deeper: the error rises over the lowest four rows and is even above. With walls "
+        "of particles, before floors became surfaces, 20 rows gave 0.5, 0.5 and 0.6 %; they dragged "
+        "at what slides over a smooth floor, see `smooth_floor`."
     ),
 )
 COMPARISONS = (

@@ -134,11 +134,8 @@ def measure(flow: StartUp, level: Level) -> Measured:
         "the same, rows of particles pass each other": profiles(flow, rows, FAST),
         "the same, implicit viscosity": profiles(flow, rows, SLOW, is_implicit=True),
     }
-    reason = (
-        "resolution: a twentieth of the depth, squared, is 0.3 %; other particle codes 1 to 3 %"
-    )
-    # ten rows are held to four times as much, as second order has it
-    most = 0.02 if rows >= 20 else 0.08
+    reason = "chosen: 2 % at 20 rows, at the others as second order has it"
+    most = 0.02 * (20.0 / rows) ** 2
     return Measured(
         tuple(
             at_most(name, greatest_error(flow, found), most, reason, "%")
