@@ -1,4 +1,4 @@
-"""Gates that are drawn, in two dimensions: the discharge under one, and how fast it is drawn.
+"""Gates that are drawn, in two dimensions: the discharge under one, and a front behind one.
 
 The closed form of the discharge under a gate drawn a above a floor is
 ``C_c a sqrt(2 g (H - C_c a))``, with the contraction of a free jet, ``C_c = pi / (pi + 2)``, and
