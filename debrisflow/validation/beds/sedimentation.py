@@ -152,8 +152,8 @@ def measure(level: Level) -> Measured:
 
 
 COARSE = (
-    "the border falls by a single spacing in this time, and the drag on a grain is that of the "
-    "mean concentration within three spacings, at the border some of it clear oil"
+    "the border falls by a single spacing in this time, and grains settle by exchanges of places, "
+    "of a spacing each, so that it waits until the first image and then falls"
 )
 HELD = (
     "places are no longer exchanged from 0.9 of the packing limit on, and the concentration around "
