@@ -281,15 +281,15 @@ def _height(at: str, ratio: float, heap: Heap) -> Row:
 def _panel(ratio: float, heap: Heap) -> Panel:
     x, height = heap.outline()
     seen = height > 0.0
-    laws = [(1.0 + lube(ratio), 0.0)]
-    laws += [(1.0 + LOW * ratio, 0.0)] if ratio > SURE else []
-    laws += [(0.0, lube_height(ratio))] if ratio >= 1.0 else []
+    fronts = [1.0 + lube(ratio)] if ratio < SURE else [1.0 + lube(ratio), 1.0 + LOW * ratio]
+    heights = [lube_height(ratio)] if ratio >= 1.0 else []
+    places = [*fronts, *np.zeros(len(heights))], [*np.zeros(len(fronts)), *heights]
     return Panel(
         f"a = {ratio:g}, heap at rest",
         "x / L0",
         "z / L0",
         (
-            measured(*np.array(laws).T, "laws of the experiments"),
+            measured(*places, "laws of the experiments"),
             computed(x[seen] / LENGTH, height[seen] / LENGTH),
         ),
     )
