@@ -328,10 +328,10 @@ COMPARISONS = (
             "In the experiments the run-out does not depend on the grains; here 1° of friction is "
             "0.08 L0 at a = 1. The front is a single layer of particles, so that its error has no "
             "order; the end of what is deeper than L0 / 10 does not depend on it. The law of the "
-            "heights is taken as Lagrée, Staron & Popinet 2011, doi:10.1017/jfm.2011.335, quote "
-            "it (3.2), not from the experiments' own paper; at a = 1 it says that the heap stays "
-            "as high as the column. That of lower columns was not found, and their height is only "
-            "stated. a = 0.5 and 2 are computed where H has ten rows or more."
+            "heights is taken from quotations of Lagrée, Staron & Popinet 2011, "
+            "doi:10.1017/jfm.2011.335, (3.2), who give it for high columns, not from the papers "
+            "themselves; at a = 1 it says that the heap stays as high as the column. That of low "
+            "columns was not found, and their height is only stated. a = 0.5 and 2 are computed where H has ten rows or more."
         ),
     ),
 )
