@@ -331,7 +331,8 @@ COMPARISONS = (
             "heights is taken from quotations of Lagrée, Staron & Popinet 2011, "
             "doi:10.1017/jfm.2011.335, (3.2), who give it for high columns, not from the papers "
             "themselves; at a = 1 it says that the heap stays as high as the column. That of low "
-            "columns was not found, and their height is only stated. a = 0.5 and 2 are computed where H has ten rows or more."
+            "columns was not found, and their height is only stated. a = 0.5 and 2 are computed "
+            "where H has ten rows or more."
         ),
     ),
 )
