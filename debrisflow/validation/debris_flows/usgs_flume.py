@@ -57,7 +57,7 @@ DRY_FRONT = (
 )
 DRAG = (
     "the one fitted number, kept, is the drag of bumps; with that of concrete the depth at 32 m "
-    "and the arrivals come nearer, and the front is 14 % too fast"
+    "and the arrivals come nearer, and the front is too fast"
 )
 ARRIVALS = "chosen: 15 %; the first of about eight releases arrives 4 to 14 % before their mean"
 BY_RELEASES = "one standard deviation of about eight releases"
