@@ -272,7 +272,7 @@ COMPARISONS = (
             "the limit slope; and the limit slope that follows from the acceleration above it."
         ),
         reference=(
-            "tan θ = C (ρ_s - ρ) tan φ / (C ρ_s + (1 - C) ρ): infinite slope, saturated, flow "
+            "closed form: tan θ = C (ρ_s - ρ) tan φ / (C ρ_s + (1 - C) ρ): infinite slope, saturated, flow "
             "along it"
         ),
         parameters=(
