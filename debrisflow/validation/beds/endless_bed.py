@@ -272,8 +272,8 @@ COMPARISONS = (
             "the limit slope; and the limit slope that follows from the acceleration above it."
         ),
         reference=(
-            "closed form: tan θ = C (ρ_s - ρ) tan φ / (C ρ_s + (1 - C) ρ): infinite slope, saturated, flow "
-            "along it"
+            "closed form: tan θ = C (ρ_s - ρ) tan φ / (C ρ_s + (1 - C) ρ): infinite slope, "
+            "saturated, flow along it"
         ),
         parameters=(
             "two dimensions, bed 0.1 m deep that repeats every 20 spacings, C = 0.55, friction of "

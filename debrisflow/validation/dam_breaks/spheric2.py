@@ -36,7 +36,7 @@ FIRST_PRESSURE = len(GAUGES)  # among the probes of the case
 WET, PRESSED = 0.01, 1000.0  # m, Pa
 MEAN_OVER, SAMPLES = 0.01, 5  # s; as the measured series, and the samples in each mean
 FACE, TOP = PRESSURES[:4], PRESSURES[4:]
-END = 2.0  # s; then waves run to and fro
+END = 2.0  # s; then waves run back and forth
 STRUCK = 0.4, 1.2  # s, while the first wave presses on the face of the box
 RETURNED = 1.2, 2.0  # s, while the wave that the far wall sends back presses on its top
 

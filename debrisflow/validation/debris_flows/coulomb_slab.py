@@ -165,7 +165,7 @@ COMPARISONS = (
             "Acceleration of a slab from rest on 30°, in the second half of a second, and the "
             "distance in which one with 2 m/s stops on 5°."
         ),
-        reference="closed form of a block on a plane: a = g (sin θ - cos θ tan δ), and u² / (2 |a|)",
+        reference="closed form, block on a plane: a = g (sin θ - cos θ tan δ), u² / (2 |a|)",
         parameters=(
             "three dimensions, endless slab 0.1 m deep and 0.6 m wide, friction of 20° along "
             "the floor, 40° between the grains, which are dry; speed of sound 20 m/s"

@@ -167,10 +167,10 @@ _shared = partial(
     error="rms error of the profile / speed of the surface",
     discussion=(
         "That the film starts with its profile shortens the run; a wrong law would leave it within "
-        "the first tenths of a second. The films are too fast because the floor holds them as if it "
-        "lay 0.05 d0 deeper: the error rises over the lowest four rows and is even above. With walls "
-        "of particles, before floors became surfaces, 20 rows gave 0.5, 0.5 and 0.6 %; they dragged "
-        "at what slides over a smooth floor, see `smooth_floor`."
+        "the first tenths of a second. The films are too fast because the floor holds them as if "
+        "it lay 0.05 d0 deeper: the error rises over the lowest four rows and is even above. With "
+        "walls of particles, before floors became surfaces, 20 rows gave 0.5, 0.5 and 0.6 %; they "
+        "dragged at what slides over a smooth floor, see `smooth_floor`."
     ),
 )
 COMPARISONS = (
