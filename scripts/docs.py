@@ -176,10 +176,16 @@ def with_headlines(text: str, results: Sequence[Result]) -> str:
     by_name = {result.comparison.name: result for result in results}
     lines = ["| what | computed (reference) |", "|---|---|"]
     for words, (name, label, measure) in HEADLINES:
-        result = by_name[name]
-        (row,) = (r for lv, r in result.rows if (lv.label, r.measure) == (label, measure))
+        result = by_name.get(name)
+        rows = result.rows if result else []
+        found = [row for level, row in rows if (level.label, row.measure) == (label, measure)]
+        if result is None or not found:
+            raise click.ClickException(
+                f"no row '{measure}' of {name} at {label}, which the README shows; compute it "
+                f"with: debrisflow validate {name} -o docs/validation"
+            )
         address = f"docs/validation.md#{anchor(result.comparison.group)}"
-        lines.append(f"| [{words}]({address}) | {row.shown_value()} |")
+        lines.append(f"| [{words}]({address}) | {found[0].shown_value()} |")
     lines += ["", f"In all, {summary(results)}."]
     return before + BEGIN + "\n".join(lines) + "\n" + END + after
 

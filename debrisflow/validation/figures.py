@@ -7,7 +7,8 @@ from math import isfinite
 from pathlib import Path
 
 from matplotlib.axes import Axes
-from matplotlib.ticker import NullFormatter, NullLocator
+from matplotlib.axis import Axis
+from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from debrisflow.results.plots.style import BLUE, GRAY, panels, save, sequence, styled
 from debrisflow.validation.convergence import Convergence
@@ -17,6 +18,9 @@ from debrisflow.validation.result import Result
 FIGURES = "figures"
 COLUMNS, HEIGHT = 2, 2.4  # of panels, and inch of a row of them
 LEVELS_WITH_ORDER = 2
+DPI = 100  # all figures stand on one page
+FEW_POINTS, DOTS = 40, (5.0, 2.0)
+"""Points of a curve below which its dots are large, and the sizes of large and small ones."""
 
 
 def draw(result: Result, folder: Path) -> Path | None:
@@ -49,7 +53,8 @@ def draw(result: Result, folder: Path) -> Path | None:
             f"debrisflow {level.origin.version}, {level.origin.date}" for level in result.levels
         )
         one = result.comparison
-        return save(figure, path, one.title, [f"Reference: {one.reference}.", "; ".join(origins)])
+        captions = [f"Reference: {one.reference}.", "; ".join(origins)]
+        return save(figure, path, one.title, captions, DPI)
 
 
 def _draw_panel(axes: Axes, panel: Panel, colors: Mapping[str, object]) -> None:
@@ -60,7 +65,8 @@ def _draw_panel(axes: Axes, panel: Panel, colors: Mapping[str, object]) -> None:
         elif curve.kind is Kind.EXACT:
             axes.plot(curve.x, curve.y, color="black", lw=0.9, label=label)
         elif curve.kind is Kind.POINTS:
-            axes.plot(curve.x, curve.y, ".", color=color, ms=2.0, label=label)
+            size = DOTS[len(curve.x) >= FEW_POINTS]
+            axes.plot(curve.x, curve.y, "o", color=color, mew=0, ms=size, label=label)
         else:
             axes.plot(curve.x, curve.y, color=color, lw=1.0, label=label)
     axes.set_title(panel.title, loc="left")
@@ -76,6 +82,16 @@ def _labelled(panel: Panel) -> Iterator[tuple[Curve, str]]:
         seen.add(curve.label)
 
 
+def _tick(axis: Axis) -> None:
+    """Give a logarithmic axis ticks at 1, 2 and 5, or within less than a decade at all digits."""
+    low, high = sorted(axis.get_view_interval())
+    digits = range(1, 10) if high < 10.0 * low else (1, 2, 5) if high < 100.0 * low else (1,)
+    axis.set_major_locator(LogLocator(subs=digits))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_locator(NullLocator())
+    axis.set_minor_formatter(NullFormatter())
+
+
 def _draw_errors(axes: Axes, errors: Convergence) -> None:
     """Draw the error over the processor time, the levels beside their points."""
     seconds = [max(step.seconds, 0.1) for step in errors.steps]
@@ -86,15 +102,13 @@ def _draw_errors(axes: Axes, errors: Convergence) -> None:
             step.label, (x, y), (3, 3), textcoords="offset points", color=GRAY, fontsize=7
         )
     axes.set(xscale="log", xlabel="processor time (s)", ylabel="error (%)")
+    axes.margins(x=0.25, y=0.15)  # for the names of the levels
     if min(values) > 0.0 and max(values) / min(values) > 3.0:
         axes.set_yscale("log")
     else:
         axes.set_ylim(0.0, 1.2 * max(values))
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
-            axis.set_major_formatter("{x:g}")
-            axis.set_minor_locator(NullLocator())
-            axis.set_minor_formatter(NullFormatter())
+            _tick(axis)
     told = f"order {errors.order:.1f}" if isfinite(errors.order) else "no order"
     axes.set_title(f"error over cost: {told}", loc="left")
-    axes.margins(x=0.2)

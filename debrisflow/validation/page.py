@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from math import isfinite
 
 from debrisflow.validation.comparison import Group
 from debrisflow.validation.figures import FIGURES
@@ -36,6 +37,7 @@ def page(results: Sequence[Result], figures: str = FIGURES, note: str = "") -> s
         A paragraph after the introduction.
     """
     lines = ["# Validation", "", _INTRODUCTION, *([note, ""] if note else []), *_count(results), ""]
+    lines += [*_overview(results), ""]
     for group, members in groupby(results, lambda result: result.comparison.group):
         lines += [f"## {group.value}", ""]
         for result in members:
@@ -54,6 +56,24 @@ def _count(results: Sequence[Result]) -> Iterator[str]:
         kept = f"{found.conserved} of {found.conserved + found.not_conserved}"
         cells = (found.held, found.within, found.known + found.missed, kept)
         yield f"| [{group.value}](#{anchor(group)}) | {' | '.join(map(str, cells))} |"
+
+
+def _overview(results: Sequence[Result]) -> Iterator[str]:
+    """Yield a line on each comparison: how many rows are within, its error, and the order."""
+    yield "| comparison | name | rows within | error from coarse to fine | order |"
+    yield "|---|---|---|---|---|"
+    for result in results:
+        found, errors = count([result]), result.convergence
+        fell = " → ".join(shown(100.0 * step.error) for step in errors.steps)
+        order = f"{errors.order:.1f}" if isfinite(errors.order) else "none"
+        cells = (
+            result.comparison.title,
+            f"`{result.comparison.name}`",
+            f"{found.within} of {found.held}",
+            f"{fell} %" if fell else "",
+            order if len(errors.steps) > 1 else "",
+        )
+        yield "| " + " | ".join(map(_cell, cells)) + " |"
 
 
 def anchor(group: Group) -> str:

@@ -27,9 +27,14 @@ def series(path: Path) -> Table:
 def probed(case: ResolvedCase) -> tuple[dict[str, Any], dict[str, Table]]:
     """Run a case and return its summary and the samples of its probes."""
     with TemporaryDirectory() as folder:
-        summary = simulate(case, Path(folder) / "run", threads=1, on_event=_no_bar)
-        files = (Path(folder) / "run" / "probes").glob("*.csv")
-        return summary, {path.stem: series(path) for path in files}
+        path = Path(folder) / "run"
+        summary = simulated(case, path)
+        return summary, {one.stem: series(one) for one in (path / "probes").glob("*.csv")}
+
+
+def simulated(case: ResolvedCase, folder: Path) -> dict[str, Any]:
+    """Run a case into a folder on one thread, without a bar, and return its summary."""
+    return simulate(case, folder, threads=1, on_event=_no_bar)
 
 
 def _no_bar(_: Mapping[str, Any]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from debrisflow.errors import DebrisflowError, OutputError
 from debrisflow.run.atomic import replaced
@@ -59,8 +60,10 @@ class Validation:
         """
         try:
             folder.mkdir(parents=True, exist_ok=True)
+            with TemporaryFile(dir=folder):  # now, and not after minutes of computation
+                pass
         except OSError as error:
-            raise OutputError(f"{folder}: cannot be made: {error.strerror}") from error
+            raise OutputError(f"{folder}: cannot be written: {error.strerror}") from error
         return cls(folder, comparisons)
 
     def add(self, name: str, found: LevelResult) -> Comparison:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from itertools import groupby
 from pathlib import Path
+
+from markupsafe import Markup, escape
 
 from debrisflow import __version__
 from debrisflow.results.html import picture_of, write_html
@@ -15,6 +18,17 @@ from debrisflow.validation.result import Result, count
 from debrisflow.validation.table import summary
 
 REPORT = "report.html"
+
+
+def coded(text: str) -> Markup:
+    """Return a text as HTML in which code stands between backquotes.
+
+    Examples
+    --------
+    >>> print(coded("`a < b`, or not"))
+    <code>a &lt; b</code>, or not
+    """
+    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text))))
 
 
 def write_report(folder: Path, results: Sequence[Result]) -> Path:
@@ -48,6 +62,7 @@ def write_report(folder: Path, results: Sequence[Result]) -> Path:
             "summary": summary(results),
             "computed": computed_by(results),
             "version": __version__,
+            "coded": coded,
             "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         },
         package="debrisflow.validation",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
@@ -247,6 +248,7 @@ def test_the_page_has_every_row_with_limit_reason_and_reference(known, tmp_path:
     assert text.count("[1] No gate, tried two.") == 1
     assert "[doi:10.1/tank](https://doi.org/10.1/tank)" in text
     assert "observed order 2.0" in text
+    assert "| a tank | `tank` | 3 of 6 | 1 → 0.25 → 0.0625 % | 2.0 |" in text
     assert "| [At rest](#at-rest) | 6 | 3 | 3 | 3 of 3 |" in text
 
 
@@ -286,9 +288,11 @@ def test_what_is_not_in_the_quick_set_is_said(known, monkeypatch, tmp_path: Path
     assert not (tmp_path / "new").exists()
 
 
-def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_computed(known, tmp_path: Path):
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_computed(
+    known, tmp_path: Path
+):
     (tmp_path / "file").write_text("")
-    assert "cannot be made" in validate("tank", "-o", str(tmp_path / "file" / "inside"), code=3)
+    assert "cannot be written" in validate("tank", "-o", str(tmp_path / "file" / "inside"), code=3)
 
 
 def test_levels_are_added_to_the_folder_as_they_end(known, tmp_path: Path):
@@ -303,19 +307,20 @@ def test_levels_are_added_to_the_folder_as_they_end(known, tmp_path: Path):
 def test_a_comparison_says_what_a_reader_needs(one: Comparison):
     assert one.title
     assert one.compared.endswith((".", ")"))
-    assert any(letter.isdigit() for letter in one.reference) or "closed form" in one.reference
+    # a year, as of a paper
+    assert re.search(r"\b(1[6-9]|20)\d\d\b|closed form|series|study", one.reference)
     assert one.calibrated
     labels = [level.label for level in one.levels]
     assert len(set(labels)) == len(labels)
     across = [level.across for level in one.levels]
     assert across == sorted(across)
     # three spacings, or the reason why there are fewer
-    assert len(labels) >= 3 or one.discussion
+    assert len(set(across)) >= 3 or one.discussion
 
 
-def test_the_registered_quick_set_takes_less_than_ten_minutes_on_two_cores():
+def test_the_quick_set_leaves_two_of_ten_minutes_to_compilation_on_two_cores():
     quick = [level for one in COMPARISONS.values() for level in one.levels if level.is_quick]
-    assert sum(level.seconds for level in quick) < 2 * 600
+    assert sum(level.seconds for level in quick) < 2 * 480
 
 
 def test_two_processes_give_what_one_gives():

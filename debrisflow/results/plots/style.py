@@ -74,7 +74,7 @@ def panels(
     return figure, list(np.ravel(axes))
 
 
-def save(figure: Figure, path: Path, title: str, captions: Sequence[str]) -> Path:
+def save(figure: Figure, path: Path, title: str, captions: Sequence[str], dpi: int = DPI) -> Path:
     """Write a figure with its title above and its captions below it."""
     figure.suptitle(title, fontsize=9, x=0.01, ha="left")
     lines = [line for text in captions for line in textwrap.wrap(text, CAPTION_LETTERS)]
@@ -84,7 +84,7 @@ def save(figure: Figure, path: Path, title: str, captions: Sequence[str]) -> Pat
     figure.set_size_inches(width, height + LINE * len(lines))
     figure.supxlabel("\n".join(lines), fontsize=6, x=0.01, ha="left", color=GRAY)
     with replaced(path) as unfinished:
-        figure.savefig(unfinished, dpi=DPI, format="png", metadata={"Software": "debrisflow"})
+        figure.savefig(unfinished, dpi=dpi, format="png", metadata={"Software": "debrisflow"})
     return path
 
 

@@ -168,6 +168,7 @@ def _mean_speed(both: tuple[Settled, ...]) -> float:
 
 def _rows(c: float, both: tuple[Settled, ...], spacing: float) -> list[Row]:
     law, at = richardson_zaki(c), f"C0 = {c:g}"
+    miss = COARSE if spacing > 0.01 and c < 0.2 else ""
     speeds = [one.speed for one in both]
     farthest = max(speeds, key=lambda speed: abs(speed - law))
     found = [
@@ -175,8 +176,7 @@ def _rows(c: float, both: tuple[Settled, ...], spacing: float) -> list[Row]:
             f"{at}: speed of the interface, mean of two seedings",
             _mean_speed(both),
             law,
-            "the formula is a fit through sediments that scatter by 10 %, and two seedings differ "
-            "by as much",
+            "chosen: two seedings of a column of a few hundred particles differ by 10 %",
             share=0.20,
             unit="m/s",
         ),
@@ -184,11 +184,12 @@ def _rows(c: float, both: tuple[Settled, ...], spacing: float) -> list[Row]:
             f"{at}: the seeding that is farther off",
             farthest,
             law,
-            "the same, of a single seeding",
+            "chosen: the same, of a single seeding",
             share=0.25,
             unit="m/s",
-            miss=COARSE if spacing > 0.01 else "",
-            is_certain=False,
+            miss=miss,
+            worst=0.40,
+            is_certain=not miss,  # by 1 % of the speed
         ),
     ]
     beds = [one.bed for one in both]
@@ -198,7 +199,7 @@ def _rows(c: float, both: tuple[Settled, ...], spacing: float) -> list[Row]:
                 f"{at}: concentration of the bed, the seeding that is farther off",
                 max(beds, key=lambda bed: abs(bed - PACKING_LIMIT)),
                 PACKING_LIMIT,
-                "resolution: of a thin bed six rows are measured, 120 particles, of which one in "
+                "chosen: of a thin bed six rows are measured, 120 particles, of which one in "
                 "two is sediment",
                 margin=0.07,
             )

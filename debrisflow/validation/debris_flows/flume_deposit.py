@@ -15,6 +15,7 @@ from debrisflow.validation.beds.endless_bed import limit_slope
 from debrisflow.validation.comparison import Comparison, Group, Level, Measured
 from debrisflow.validation.curves import Panel, exact, points
 from debrisflow.validation.debris_flows.flume import DEPOSITED, Frame, channel_of, frame_of
+from debrisflow.validation.debris_flows.sources import TAKAHASHI
 from debrisflow.validation.files import CASES
 from debrisflow.validation.marching import advance
 from debrisflow.validation.row import Row, at_least, at_most, between, none_of
@@ -115,21 +116,21 @@ def _rows(found: Deposit, seed: int) -> tuple[Row, ...]:
             f"mean displacement in the last 2 s{of_seed}",
             float(found.moved.mean()),
             0.1,
-            "a particle at rest stays in its place",
+            "a particle at rest stays in its place; chosen: far less than a spacing",
             "d0",
         ),
         at_least(
             f"sediment behind the bend{of_seed}",
             found.on_runout,
             0.1,
-            "a debris flow stops where its slope is milder than what carries it",
+            "chosen: a tenth; a debris flow stops where its slope is milder than what carries it",
             "%",
         ),
         at_least(
             f"depth just behind the bend{of_seed}",
             found.depth,
             0.02,
-            "more than a film of two rows; seedings give 26 to 38 mm",
+            "chosen: two rows of 10 mm; what is deeper is no film of water",
             "m",
         ),
         between(
@@ -137,8 +138,8 @@ def _rows(found: Deposit, seed: int) -> tuple[Row, ...]:
             found.slope,
             4.0,
             steepest,
-            "steeper than the run-out, 3°, since it thins downstream; a saturated bed slides "
-            "from its limit slope on",
+            "chosen: 1° more than the run-out has, since a deposit thins downstream; a saturated "
+            "bed slides from its limit slope on",
             "°",
         ),
         none_of(f"particles through a wall{of_seed}", found.through_wall),
@@ -168,12 +169,10 @@ COMPARISONS = (
         group=Group.DEBRIS_FLOWS,
         compared=(
             "Whether a debris flow is at rest ten seconds after its supply has ended, and the "
-            "slope of its deposit against the limit slope of a saturated bed."
+            "slope of its deposit against the limit slope of a saturated bed. No experiment: what "
+            "must hold of any deposit."
         ),
-        reference=(
-            "limit slope, tan θ = C (ρ_s - ρ) tan φ / [C (ρ_s - ρ) + ρ]: Takahashi 1978, Journal "
-            "of the Hydraulics Division ASCE 104, 1153"
-        ),
+        reference=(f"limit slope, tan θ = C (ρ_s - ρ) tan φ / [C (ρ_s - ρ) + ρ]: {TAKAHASHI}"),
         parameters=(
             "`cases/flume_deposit2d.toml`: flume that bends from 15° to 3°, bed of 50 mm, friction "
             "angle of 35°, supply of 100 cm²/s for 4 s"
@@ -185,9 +184,10 @@ COMPARISONS = (
         ),
         measure=measure,
         discussion=(
-            "No experiment: what must hold of any deposit. Digits of the processor choose among "
-            "deposits, as other seedings do. Single grains in the film of water over the run-out "
-            "make up the mean displacement."
+            "Two spacings only, and the limit slope is a bound and no value, so that there is no "
+            "error to have an order. Digits of the processor choose among deposits, as other "
+            "seedings do. Single grains in the film of water over the run-out make up the mean "
+            "displacement."
         ),
     ),
 )

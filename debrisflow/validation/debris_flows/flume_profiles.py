@@ -87,15 +87,13 @@ class Mixed(NamedTuple):
 
     Attributes
     ----------
-    head, above : float
-        In the half meter behind the front: of all of it, and of what is above the level of the bed
-        at the start.
+    above : float
+        In the half meter behind the front, above the level of the bed at the start.
     body, surface, base : float
         Behind it, from half a meter past the beginning of the bed on: of all of it, of the upper
         fifth of each 0.1 m, and of the lower fifth.
     """
 
-    head: float
     above: float
     body: float
     surface: float
@@ -111,7 +109,6 @@ def concentrations(flume: Flume, time: float) -> Mixed:
     in_head = moves & (x > front - HEAD) & (x <= front + flume.case.particles.spacing)
     height, body = _body(flume, time)
     parts = (
-        frame.fraction[in_head],
         frame.fraction[in_head & (y > 0.0)],
         body,
         body[height > 0.8],

@@ -9,7 +9,8 @@ from debrisflow.validation.comparison import Comparison, Group, Level, Measured
 from debrisflow.validation.curves import Panel, computed, exact, points
 from debrisflow.validation.debris_flows import flume
 from debrisflow.validation.debris_flows.flume import Flume, discharge_of
-from debrisflow.validation.row import Row, at_least, at_most, near, none_of, stated
+from debrisflow.validation.debris_flows.sources import STUDY, TAKAHASHI
+from debrisflow.validation.row import Row, at_least, at_most, conserved, near, none_of, stated
 
 Floats = NDArray[np.float64]
 FRAMES = 1.03, 2.03
@@ -24,10 +25,13 @@ BIN, DEPTH = 0.05, 0.002
 """Of the front, m, see :func:`debrisflow.validation.debris_flows.flume.front_of`."""
 THIRDS = np.array([0.1, 0.4, 0.7, 1.0])
 """Of the bed, m."""
-EQUILIBRIUM = "experiments on beds scatter by a quarter about the formula"
+EQUILIBRIUM = (
+    "chosen: a quarter; a friction angle of 31 or 39° instead of the chosen 35° changes the "
+    "formula by +30 and -20 %"
+)
 SHARE = (
     "all that has left counts, the lean flow behind the front too, and on a bed of 0.9 m the flow "
-    "is not in equilibrium; halving the spacing makes it less, as erosion does at every spacing"
+    "is not in equilibrium; it is less with a finer spacing, which erodes less"
 )
 
 
@@ -70,7 +74,13 @@ def measure(level: Level) -> Measured:
     rows = (
         *_flow_rows(found),
         near(
-            "sediment in what left by 3.5 s", share, expected, EQUILIBRIUM, share=0.25, miss=SHARE
+            "sediment in what left by 3.5 s",
+            share,
+            expected,
+            EQUILIBRIUM,
+            share=0.25,
+            miss=SHARE,
+            worst=0.15,
         ),
         none_of("particles through a wall", found.through_wall),
     )
@@ -93,17 +103,17 @@ def measure_deposit(level: Level) -> Measured:
 
 def _flow_rows(found: Flume) -> tuple[Row, ...]:
     moved = float(found.moved(0.0, DRY_UNTIL).mean())
-    still = "a particle of a bed at rest stays in its place"
+    still = "a particle of a bed at rest stays in its place; chosen: far less than a spacing"
     supplied = discharge_of(found.case) * found.case.time.end
     fronts = np.interp(FRAMES, found.time, found.front)
     return (
         at_most("bed before the water: mean displacement in 0.2 s", moved, 0.1, still, "d0"),
-        near(
-            "supply over its discharge",
-            found.supplied / supplied,
-            1.0,
+        conserved(
+            "supply less its discharge / discharge",
+            abs(found.supplied / supplied - 1.0),
+            0.01,
             "whole particles are supplied",
-            margin=0.01,
+            "%",
         ),
         *(stated(f"front at {time} s", x, "m") for time, x in zip(FRAMES, fronts, strict=True)),
         stated("front at 0.9 m", found.arrival(0.9), "s"),
@@ -111,7 +121,7 @@ def _flow_rows(found: Flume) -> tuple[Row, ...]:
             "sediment that the upstream half of the bed has lost",
             found.eroded(),
             0.2,
-            "the study's bed is eroded from its upstream end",
+            "the study's bed is eroded from its upstream end; chosen: a fifth",
             "%",
         ),
     )
@@ -125,7 +135,7 @@ def _rest_rows(ended: Flume) -> tuple[Row, ...]:
             "deposit four to six seconds after the supply: mean displacement in 2 s",
             moved,
             0.1,
-            "a particle at rest stays in its place",
+            "a particle at rest stays in its place; chosen: far less than a spacing",
             "d0",
         ),
         at_least(
@@ -164,13 +174,11 @@ COMPARISONS = (
         title="Debris flow from a movable bed in a flume of 1 m (A3)",
         group=Group.DEBRIS_FLOWS,
         compared=(
-            "Rest of the bed, erosion from upstream, the front at the times of the study's frames, "
-            "and the sediment in what leaves the flume against the equilibrium concentration."
+            "Rest of the bed, erosion from upstream, and the sediment in what leaves the flume "
+            "against the equilibrium concentration. The study reports no figure of its own: that "
+            "the bed is eroded from upstream is seen in its pictures."
         ),
-        reference=(
-            "the study, case A3; equilibrium concentration: Takahashi 1978, Journal of the "
-            "Hydraulics Division ASCE 104, 1153"
-        ),
+        reference=(f"{STUDY}, case A3; equilibrium concentration: {TAKAHASHI}"),
         parameters=(
             "`cases/bed_erosion2d.toml`: slope of 15°, bed of 30 mm, grains of 3 mm, friction "
             "angle of 35° (chosen), supply of 23.8 cm²/s"
@@ -198,10 +206,14 @@ COMPARISONS = (
         ),
         reference=(
             "limit slope of a saturated bed, 18.4°, which is more than the 15° of the flume: "
-            "Takahashi 1978, Journal of the Hydraulics Division ASCE 104, 1153"
+            f"{TAKAHASHI}"
         ),
         parameters="`cases/bed_erosion2d.toml` with a supply that ends",
         levels=(Level(6, "5 mm", 60), Level(8, "3.75 mm", 180), Level(12, "2.5 mm", 600)),
         measure=measure_deposit,
+        discussion=(
+            "No experiment: what must hold is that a bed under its limit slope is at rest. Rest is "
+            "no distance from a reference, so that there is no error to have an order."
+        ),
     ),
 )

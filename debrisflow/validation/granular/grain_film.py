@@ -90,6 +90,7 @@ def measure(level: Level) -> Measured:
     error = float(np.abs(found.speed - found.exact).max())
     # one row from the no-slip of the floor, and three from the free surface
     inside = found.temperature_ratio[1:-3]
+    miss = CLOSER if level.across > 20 else ""
     y = np.linspace(0.0, 1.0, 41)
     return Measured(
         (
@@ -97,15 +98,18 @@ def measure(level: Level) -> Measured:
                 "greatest error of the profile / speed of the surface",
                 error,
                 0.03,
-                "resolution: a row of 20 is 5 % of the depth, in which the speed changes by 7 %",
+                "chosen: half of what the speed changes by in a row of 20",
                 "%",
             ),
             at_most(
                 "granular temperature / that of the balance - 1, the greatest inside",
                 float(np.abs(inside - 1.0).max()),
                 0.05,
-                "of the square of a shear rate: twice the error of the profile",
+                "chosen: of the square of a shear rate, nearly twice the error of the profile",
                 "%",
+                miss=miss,
+                worst=0.06,
+                is_certain=not miss,
             ),
         ),
         error,
@@ -126,6 +130,11 @@ def measure(level: Level) -> Measured:
     )
 
 
+CLOSER = (
+    "40 rows rearrange in the upper half of the film: they are 0.94 spacings apart there, with 13 "
+    "particles each where others have 14, and the shear rate is 1.5 % less. The film is steady. If "
+    "it repeats after 28 spacings instead of 14 the same happens, with 4.7 %"
+)
 COMPARISONS = (
     Comparison(
         name="grain_film",

@@ -45,6 +45,7 @@ def measure(level: Level) -> Measured:
     heap, (x, height) = run(round(level.across)), outline()
     place, top = (values / LENGTH for values in heap.outline())
     off = np.interp(x, place, top, right=0.0) - height
+    edge = EDGE if level.across < 20 else ""
     error, spread = float(np.sqrt(np.mean(off**2)) / RATIO), float(x.max() - 1.0)
     return Measured(
         (
@@ -52,19 +53,21 @@ def measure(level: Level) -> Measured:
                 "run-out (L - L0) / L0",
                 heap.run_out(),
                 spread,
-                "halves of the outline differ by 2 %, prefactors of materials by 15 %",
+                "chosen: as of the experiments with grains; halves of the outline differ by 2 %",
                 share=0.15,
                 unit="L0",
                 miss=MISS,
+                worst=0.58,
             ),
             at_most(
                 "outline of the heap: rms / height of the column",
                 error,
                 0.05,
-                "a spacing and a half of the coarsest level; halves of the outline differ by 2 %",
+                "chosen: 0.3 spacings of the coarsest level; halves of the outline differ by 2 %",
                 "%",
-                miss=EDGE,
-                is_certain=False,
+                miss=edge,
+                worst=0.06,
+                is_certain=not edge,  # by 1 % of the limit, on the one side or the other
             ),
             stated("end of what is deeper than L0 / 10", heap.body(), "L0", _body(x, height)),
             at_most(
@@ -99,12 +102,12 @@ def _body(x: Floats, height: Floats) -> float:
 EDGE = "the thin end of the heap is too short, see the run-out; the body is within"
 MISS = (
     "the outline ends in a thin layer of single discs, 0.4 L0 long, which particles as large as a "
-    "twelfth of L0 do not have: the end of what is deeper than L0 / 10 is 9 % short. With one "
+    "twelfth of L0 do not have; what is deeper than L0 / 10 ends nearer to the outline. With one "
     "angle of friction, 25°, the run-out is 0.55 L0"
 )
 COMPARISONS = (
     Comparison(
-        name="contact_dynamics_column",
+        name="staron_hinch",
         title="Collapse of a low column of discs",
         group=Group.GRANULAR,
         compared="Outline and run-out of the heap at rest, a = 0.5.",
@@ -126,5 +129,10 @@ COMPARISONS = (
         ),
         measure=measure,
         error="rms of the outline / height of the column",
+        discussion=(
+            "This is the lowest of three columns whose outlines are public; those with a = 1.42 "
+            "and 6.26 are not computed. The outlines bear no times, so that only the last one, of "
+            "the heap, is compared."
+        ),
     ),
 )

@@ -10,7 +10,7 @@ from debrisflow.validation.comparison import Comparison, Group, Level, Measured
 from debrisflow.validation.curves import Panel, computed, measured
 from debrisflow.validation.files import REFERENCES
 from debrisflow.validation.granular.grain_layer import CONCENTRATION, PACKING, RESTITUTION
-from debrisflow.validation.row import Row, at_least, at_most, stated
+from debrisflow.validation.row import Row, at_most, stated
 
 Floats = NDArray[np.float64]
 INTERIOR = 0.2, 0.8
@@ -67,22 +67,15 @@ def measure(_: Level) -> Measured:
             "greatest distance of T from the discrete elements, point by point",
             float(np.abs(found / temperature - 1.0).max()),
             0.30,
-            "the points scatter by 5 %, the shear rate is a difference of theirs, and the balance "
-            "leaves the conduction from the walls out",
+            "chosen: the shear rate is a difference of points that scatter, and its square counts",
             "%",
         ),
         at_most(
             "rms of T / mean T",
             rms,
             0.15,
-            "the same; the two-fluid code SedFoam takes 40 % of the mean in its own tests",
+            "chosen: half of that; the test of SedFoam with these tables allows 40 %",
             "%",
-        ),
-        at_least(
-            "greatest T / least T of the points compared",
-            float(temperature.max() / temperature.min()),
-            2.5,
-            "otherwise the dependence on the shear rate would not be tested",
         ),
         stated("grain diameter / gap, fitted", size),
     )
@@ -92,11 +85,11 @@ def measure(_: Level) -> Measured:
 COMPARISONS = (
     Comparison(
         name="vescovi",
-        title="Granular temperature in sheared discrete elements",
+        title="Balance of the granular temperature against discrete elements",
         group=Group.GRANULAR,
         compared=(
-            "T by the balance of production and dissipation at the shear rates of the discrete "
-            "elements, between 0.2 and 0.8 of the gap."
+            "T by the balance of production and dissipation alone, at the shear rates of the "
+            "discrete elements between 0.2 and 0.8 of the gap. No shear flow is run."
         ),
         reference=(
             "discrete elements: Vescovi, Berzi, Richard & Brodu 2014, doi:10.1063/1.4879267; e = "
@@ -109,8 +102,11 @@ COMPARISONS = (
         error="rms of T / mean T",
         discussion=(
             "The closure itself is evaluated, as the code does in every particle; there is no "
-            "spacing to refine. At the bumpy walls, from which fluctuations are conducted, T is "
-            "ten times higher; the balance does not hold there."
+            "spacing to refine. T changes by a factor of 3 between the points compared: its "
+            "dependence on the shear rate is tested, its factor is not, since the ratio of grain "
+            "to gap is fitted. Velocity and concentration are not compared: they follow from the "
+            "bumpy walls, from which fluctuations are conducted, and which the code does not have. "
+            "T is ten times higher there, and the balance does not hold."
         ),
     ),
 )

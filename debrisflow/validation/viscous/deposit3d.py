@@ -215,9 +215,9 @@ COMPARISONS = (
         error="next order: rms error of the depth / that at the wall, front by volume",
         discussion=(
             "Dubash et al. find their own experiments not in particularly good agreement with the "
-            "theory. The closed forms hold for slow spreading over a long slope of the surface; the "
-            "block starts as high as it is long and its inertia is not small. The deposit is three "
-            "rows deep at the wall with the coarsest spacing, and its front one row."
+            "theory. The closed forms hold for slow spreading over a long slope of the surface; "
+            "the block starts as high as it is long and its inertia is not small. The deposit is "
+            "three rows deep at the wall with the coarsest spacing, and its front one row."
         ),
     ),
 )
