@@ -278,6 +278,7 @@ _UNEVEN: dict[str, Known] = {
     "impulse of P3": Known(_PRESSED, {"d0 = 50 mm": 1.4}),
     "impulse of P4": Known(_PRESSED, {"d0 = 50 mm": 0.1, "d0 = 31 mm": 0.2, "d0 = 23 mm": 0.2}),
     "peak of P1": Known(_PRESSED, {"d0 = 50 mm": 15.5, "d0 = 31 mm": 15.5}),
+    "peak of P3": Known(_PRESSED, {"d0 = 31 mm": 4.5}, uncertain=("d0 = 31 mm",)),
 }
 COMPARISONS = (
     Comparison(
