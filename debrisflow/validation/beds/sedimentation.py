@@ -197,7 +197,7 @@ COMPARISONS = (
         levels=(
             Level(18, "18 rows", 11, is_quick=True),
             Level(36, "36 rows", 29),
-            Level(72, "72 rows", 250),
+            Level(72, "72 rows", 70),
         ),
         measure=measure,
         error="speed of the upper interface / measured - 1",
