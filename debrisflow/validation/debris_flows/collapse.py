@@ -106,7 +106,7 @@ def centers(state: State) -> tuple[Floats, Floats]:
     """Return the centers of mass of sediment and water, m."""
     p = state.particles
     is_rock = p.sediment_fraction[p.fluid] > 0
-    position = p.position[p.fluid]
+    position = p.position[p.fluid, :2]
     return position[is_rock].mean(axis=0), position[~is_rock].mean(axis=0)
 
 
@@ -256,7 +256,8 @@ COMPARISONS = (
         measure=measure,
         discussion=(
             "The study gives pictures, so that there is no error to have an order. Most of the "
-            "shift is due to the shear along the no-slip walls: FREESLIP"
+            "shift is due to the shear along the no-slip walls: with free-slip ones it is 5 and "
+            "8 mm in two seedings at 10 mm."
         ),
     ),
 )
