@@ -249,8 +249,8 @@ COMPARISONS = (
             "sediment, grains of 3 mm, restitution 0.7; tank, spacing and grains are chosen"
         ),
         levels=(
-            Level(17, "15 mm", 16),
-            Level(25, "10 mm", 46, is_quick=True),
+            Level(17, "15 mm", 20),
+            Level(25, "10 mm", 50, is_quick=True),
             Level(50, "5 mm", 380),
         ),
         measure=measure,
