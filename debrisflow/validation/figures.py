@@ -83,9 +83,11 @@ def _labelled(panel: Panel) -> Iterator[tuple[Curve, str]]:
 
 
 def _tick(axis: Axis) -> None:
-    """Give a logarithmic axis ticks at 1, 2 and 5, or within less than a decade at all digits."""
+    """Give a logarithmic axis ticks at 1, 2 and 5, or more within less than a decade."""
     low, high = sorted(axis.get_view_interval())
-    digits = range(1, 10) if high < 10.0 * low else (1, 2, 5) if high < 100.0 * low else (1,)
+    digits = (
+        (1, 2, 3, 4, 5, 6, 8) if high < 10.0 * low else (1, 2, 5) if high < 100.0 * low else (1,)
+    )
     axis.set_major_locator(LogLocator(subs=digits))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_locator(NullLocator())

@@ -43,6 +43,11 @@ REACH = 1.4, 1.6
 """Where the speed in the flume is taken, m."""
 CELL = 0.02
 """Of the area that is covered, m."""
+DAMPED = (
+    "the artificial viscosity of the scheme, 0.05 c d0 along the line of two particles, resists "
+    "shear like a viscosity of 0.01 c d0, which is two to three times that of the fluid; without "
+    "it the film runs at 1.32 m/s at 14 mm"
+)
 
 
 class Runout(NamedTuple):
@@ -129,11 +134,11 @@ def measure(level: Level) -> Measured:
     """Return what the three runs did at a level."""
     found = {name: run(name, WIDTH / level.across) for name in RUNS}
     film = found["viscous"].late_speed()
-    rows = (*_speed_rows(found), *_reach_rows(found), *_balance_rows(found))
+    rows = (*_speed_rows(found, level), *_reach_rows(found), *_balance_rows(found))
     return Measured(rows, abs(film / film_speed() - 1.0), _panels(found))
 
 
-def _speed_rows(found: dict[str, Runout]) -> tuple[Row, ...]:
+def _speed_rows(found: dict[str, Runout], level: Level) -> tuple[Row, ...]:
     middle = 0.5 * (REACH[0] + REACH[1])
     return (
         near(
@@ -152,6 +157,8 @@ def _speed_rows(found: dict[str, Runout]) -> tuple[Row, ...]:
             "chosen: a tenth, of a film of four rows or fewer that develops over half of the flume",
             share=0.1,
             unit="m/s",
+            miss=DAMPED if level.across >= 5 else "",
+            worst=1.05,
         ),
     )
 
@@ -247,8 +254,9 @@ COMPARISONS = (
         error="speed of the viscous flow at 1.5 m, relative to the laminar film",
         discussion=(
             "How far the flow with stress reaches depends on the spacing, since it thins to a row "
-            "at its edge, and is stated. The film with ν = 1e-6 m²/s runs over the end of the "
-            "plain from 1.4 s on."
+            "at its edge, and is stated. The viscous film is nearer at 17.5 mm, since in two rows "
+            "little shear is between particles, where artificial viscosity acts. The film with "
+            "ν = 1e-6 m²/s runs over the end of the plain from 1.4 s on."
         ),
     ),
 )

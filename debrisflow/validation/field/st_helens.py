@@ -74,7 +74,7 @@ def measure(level: Level) -> Measured:
             FIFTH,
             "%",
             miss=STREAMS,
-            worst=-0.65,
+            worst=-0.7,
         ),
         at_most(
             "kinetic energy under 1 % of its greatest after",
