@@ -186,7 +186,7 @@ def with_headlines(text: str, results: Sequence[Result]) -> str:
             )
         address = f"docs/validation.md#{anchor(result.comparison.group)}"
         lines.append(f"| [{words}]({address}) | {found[0].shown_value()} |")
-    lines += ["", f"In all, {summary(results)}."]
+    lines += ["", f"In all, over {len(results)} comparisons: {summary(results)}."]
     return before + BEGIN + "\n".join(lines) + "\n" + END + after
 
 

@@ -49,6 +49,9 @@ def _count(results: Sequence[Result]) -> Iterator[str]:
     """Yield when and by what all was computed, and how many rows of each group are held."""
     yield f"{computed_by(results)} In all, {summary(results)}."
     yield ""
+    finest = summary([result.finest() for result in results])
+    yield f"At the finest spacing of each alone: {finest}."
+    yield ""
     yield "| | rows | within | missed | checks of conservation that hold |"
     yield "|---|---|---|---|---|"
     for group, members in groupby(results, lambda result: result.comparison.group):

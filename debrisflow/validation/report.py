@@ -60,6 +60,7 @@ def write_report(folder: Path, results: Sequence[Result]) -> Path:
             "counts": {anchor(group): count(members) for group, _, members in groups},
             "pictures": pictures,
             "summary": summary(results),
+            "finest": summary([result.finest() for result in results]),
             "computed": computed_by(results),
             "version": __version__,
             "coded": coded,

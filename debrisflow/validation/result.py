@@ -118,6 +118,10 @@ class Result(NamedTuple):
         """How the error falls."""
         return convergence([Step(le.label, le.across, le.error, le.seconds) for le in self.levels])
 
+    def finest(self) -> Result:
+        """Return the result at its finest level alone."""
+        return self._replace(levels=self.levels[-1:])
+
     def with_levels(self, newer: Sequence[LevelResult]) -> Result:
         """Return the result with newer levels; those that other kernels gave are left out."""
         if not newer:

@@ -248,6 +248,7 @@ def test_the_page_has_every_row_with_limit_reason_and_reference(known, tmp_path:
     assert text.count("[1] No gate, tried two.") == 1
     assert "[doi:10.1/tank](https://doi.org/10.1/tank)" in text
     assert "observed order 2.0" in text
+    assert "At the finest spacing of each alone: 1 of 2 rows" in text
     assert "| a tank | `tank` | 3 of 6 | 1 → 0.25 → 0.0625 % | 2.0 |" in text
     assert "| [At rest](#at-rest) | 6 | 3 | 3 | 3 of 3 |" in text
 

@@ -190,8 +190,8 @@ def _profile(x: Floats, time: float, form: Stoker) -> Floats:
 _GATED = Known(
     "the closed form has no gate: drawn at 1.5 m/s it holds back the upper water first. Tried: "
     "without the gate the depth is 8.2 cm at 10 and at 5 mm, within the limit",
-    {"d0 = 10 mm": 7.9, "d0 = 5 mm": 7.9},
-    uncertain=("d0 = 10 mm", "d0 = 5 mm"),
+    {"d0 = 10 mm": 7.9, "d0 = 5 mm": 7.9, "d0 = 3.3 mm": 7.9},
+    uncertain=("d0 = 10 mm", "d0 = 5 mm", "d0 = 3.3 mm"),
 )
 COMPARISONS = (
     Comparison(

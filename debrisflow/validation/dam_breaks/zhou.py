@@ -229,7 +229,7 @@ COMPARISONS = (
         levels=(
             Level(DEPTH / 0.02, "d0 = 20 mm", 5, is_quick=True),
             Level(DEPTH / 0.01, "d0 = 10 mm", 30, is_quick=True),
-            Level(DEPTH / 0.005, "d0 = 5 mm", 240),
+            Level(DEPTH / 0.005, "d0 = 5 mm", 330),
         ),
         measure=measure,
         error="mean of the rms of H1 and H2 to 1.4 s / depth of the column",
