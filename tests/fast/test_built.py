@@ -20,7 +20,8 @@ from debrisflow.run.simulation import simulate
 from debrisflow.space.carving import filled, fitted
 from debrisflow.space.volumes import differences
 from debrisflow.space.walls import wall_points
-from tests.building import advance, started, tank3d_case
+from debrisflow.validation.marching import advance
+from tests.building import started, tank3d_case
 
 TETRAHEDRON = Path(__file__).parent / "bad_cases" / "tetrahedron.obj"
 CASES = sorted((Path(__file__).parents[2] / "cases").glob("*.toml"))

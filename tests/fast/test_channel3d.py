@@ -16,7 +16,8 @@ from debrisflow.space.fills import fill, inflow_section
 from debrisflow.space.floor import height_over_floor, is_over_floor
 from debrisflow.space.plan_grid import locate, plan
 from debrisflow.space.walls import wall_points
-from tests.building import advance, started
+from debrisflow.validation.marching import advance
+from tests.building import started
 
 D0 = 0.05
 WIDTH, HEIGHT, LENGTH = 0.4, 0.8, 2.6

@@ -18,9 +18,9 @@ from debrisflow.physics.kinetic_theory import Grains, algebraic_temperature, gra
 from debrisflow.physics.motion import survey_motion
 from debrisflow.physics.operators import velocity_gradient_at, velocity_gradients
 from debrisflow.schemes.surfaces import walls_of
+from debrisflow.validation.marching import advance
 from tests.building import (
     acceleration_at,
-    advance,
     boxes_from,
     felt,
     fluid_of,

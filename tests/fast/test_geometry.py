@@ -10,7 +10,8 @@ from debrisflow.run.measures import deposit_profile
 from debrisflow.space.domain import WALL_NAMES
 from debrisflow.space.floor import floor_level, floor_roughness, height_over_floor
 from debrisflow.space.walls import wall_points
-from tests.building import advance, started
+from debrisflow.validation.marching import advance
+from tests.building import started
 
 D0 = 0.02
 

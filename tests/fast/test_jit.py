@@ -16,7 +16,8 @@ from numba.core.dispatcher import Dispatcher
 
 from debrisflow import _jit
 from debrisflow._jit import COMPILATIONS, PACKAGE, kernel_sources
-from tests.building import advance, bed_case, started, tank3d_case
+from debrisflow.validation.marching import advance
+from tests.building import bed_case, started, tank3d_case
 
 DECORATORS = {"allocating_kernel", "kernel", "loop"}
 TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}

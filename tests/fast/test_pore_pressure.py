@@ -13,7 +13,8 @@ from debrisflow.results.frames import read_frame
 from debrisflow.run import checkpoint
 from debrisflow.run.vtu import write_particles
 from debrisflow.schemes.terms.pore_pressure import borne_by_grains
-from tests.building import Plane, advance, lattice_block, planes, started
+from debrisflow.validation.marching import advance
+from tests.building import Plane, lattice_block, planes, started
 from tests.fast.test_base_friction import LATTICE
 from tests.fast.test_checkpoint import identical
 

@@ -13,15 +13,8 @@ from debrisflow.physics import study_form
 from debrisflow.physics.kinetic_theory import Grains, bulk_viscosity
 from debrisflow.run.simulation import simulate
 from debrisflow.schemes.study_explicit import StudyExplicit
-from tests.building import (
-    advance,
-    lattice_block,
-    one_list,
-    random_patch,
-    separations,
-    started,
-    tank3d_case,
-)
+from debrisflow.validation.marching import advance
+from tests.building import lattice_block, one_list, random_patch, separations, started, tank3d_case
 
 LATTICE = reference(3, 2.4, 1.0)
 CASES = Path(__file__).parents[2] / "cases"

@@ -9,7 +9,8 @@ from debrisflow.neighbors.lattice import reference
 from debrisflow.particles.start import initial_state
 from debrisflow.physics.virtual_air import density_error, gate, missing, virtual_air
 from debrisflow.schemes.semi_implicit import SemiImplicit
-from tests.building import endless_channel, tank_case
+from debrisflow.validation.cases import endless_channel
+from tests.building import tank_case
 
 GRAVITY = 9.81
 

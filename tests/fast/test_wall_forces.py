@@ -8,16 +8,8 @@ from debrisflow.neighbors.patches import Patch, no_patches, patches_of, shares
 from debrisflow.physics.wall_forces import room_for_forces, share_in_patch, wall_forces
 from debrisflow.run.probes import samplers
 from debrisflow.space.domain import wall_names
-from tests.building import (
-    Plane,
-    advance,
-    boxes_from,
-    felt,
-    momentum_of,
-    planes,
-    started,
-    tank3d_case,
-)
+from debrisflow.validation.marching import advance
+from tests.building import Plane, boxes_from, felt, momentum_of, planes, started, tank3d_case
 
 LATTICE = reference(3, 2.4, 1.0)
 NO_PATCHES = no_patches()

@@ -17,7 +17,8 @@ from debrisflow.run.measures import elastic_energy, energies
 from debrisflow.schemes.explicit import Explicit
 from debrisflow.schemes.terms.density import Density
 from debrisflow.space.mesh_pieces import pieces_of
-from tests.building import advance, momentum_of, started, tank3d_case
+from debrisflow.validation.marching import advance
+from tests.building import momentum_of, started, tank3d_case
 from tests.fast.test_checkpoint import identical
 
 D0 = 0.05

@@ -14,7 +14,8 @@ from pathlib import Path
 from numba import types
 from numba.core.dispatcher import Dispatcher
 
-from tests.building import advance, bed_case, started, tank3d_case
+from debrisflow.validation.marching import advance
+from tests.building import bed_case, started, tank3d_case
 
 ROOT = Path(__file__).parents[2]
 FEWEST = 100  # parts of what kernels return, so that there is something to look at

@@ -10,7 +10,8 @@ from debrisflow.case.defaults import complete
 from debrisflow.errors import DivergedError, NotConvergedError
 from debrisflow.run import simulation
 from debrisflow.schemes.explicit import Explicit
-from tests.building import advance, momentum_of, started, tank3d_case
+from debrisflow.validation.marching import advance
+from tests.building import momentum_of, started, tank3d_case
 from tests.fast.test_checkpoint import identical
 
 D0 = 0.02

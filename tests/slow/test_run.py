@@ -19,7 +19,8 @@ from debrisflow.run import checkpoint, loop, simulation
 from debrisflow.run.measures import energies
 from debrisflow.schemes.semi_implicit import SemiImplicit
 from debrisflow.schemes.terms.term import Term
-from tests.building import advance, bed_case, started, tank_case
+from debrisflow.validation.marching import advance
+from tests.building import bed_case, started, tank_case
 from tests.fast.test_checkpoint import identical
 
 

@@ -27,9 +27,9 @@ from debrisflow.schemes.terms.pressure import PressureEquation
 from debrisflow.schemes.terms.term import Step
 from debrisflow.schemes.terms.viscosity import ExplicitViscosity
 from debrisflow.space.gravity import gravity_vector
+from debrisflow.validation.marching import advance
 from tests.building import (
     WEN_YU,
-    advance,
     bed_case,
     energy_of,
     lattice_block,

@@ -5,7 +5,8 @@ import pytest
 
 from debrisflow.case import Case
 from debrisflow.case.defaults import complete
-from tests.building import advance, started
+from debrisflow.validation.marching import advance
+from tests.building import started
 
 D0, SLOPE, ACROSS, G = 0.01, 10.0, 11, 9.81
 ANGLE = np.radians(SLOPE)
