@@ -184,8 +184,8 @@ def with_headlines(text: str, results: Sequence[Result]) -> str:
         lines.append(f"| [{words}]({address}) | {found[0].shown_value()} |")
     lines += [
         "",
-        "The [validation page](docs/validation.md) has all; `debrisflow validate --quick` computes a "
-        "part of them",
+        "The [validation page](docs/validation.md) has all; `debrisflow validate --quick` computes "
+        "a part of them",
         f"on your machine in ten minutes. In all, over {len(results)} comparisons: "
         f"{summary(results)}.",
     ]
