@@ -17,10 +17,11 @@ PAGE = "validation.md"
 _INTRODUCTION = """\
 The tables and figures of this page are written by `debrisflow validate`. Each row is a figure that
 was computed, the limit that it is held to, and the reason of the limit: the scatter of the
-experiment, the error of other codes, the resolution. A value in brackets is that of the reference.
-"Missed" means outside the limit; below the table stands why, as far as it is known, and what was
-tried. "Stated" figures are held to nothing. d0 is the particle spacing. Rows on conservation
-(particles that are lost, energy that is gained) are counted apart.
+experiment, the error that an author reports, the resolution; or that it is chosen, and what it is
+made of. A value in brackets is that of the reference. "Missed" means outside the limit; below the
+table stands why, as far as it is known, and what was tried. "Stated" figures are held to nothing.
+d0 is the particle spacing. Rows on conservation (particles that are lost, energy that is gained)
+are counted apart.
 """
 
 
