@@ -27,7 +27,7 @@ from debrisflow.particles.arrays import ARRAYS
 from debrisflow.run.events import FIELDS
 from debrisflow.run.folder_status import MORE_FIELDS, SEEN
 from debrisflow.study.loading import study_schema
-from debrisflow.validation.figures import FIGURES
+from debrisflow.validation.figures import FIGURES, drawn
 from debrisflow.validation.page import anchor
 from debrisflow.validation.page import page as validation_page
 from debrisflow.validation.publication import results_in
@@ -143,6 +143,7 @@ def pages() -> dict[Path, str]:
     results = results_in(VALIDATION)
     written[DOCS / "validation.md"] = validation_page(
         results,
+        drawn(VALIDATION),
         f"{VALIDATION.name}/{FIGURES}",
         "What misses its limit is discussed at length, with what was tried, on the page "
         "[Misses](misses.md).",

@@ -23,6 +23,11 @@ FEW_POINTS, DOTS = 40, (5.0, 2.0)
 """Points of a curve below which its dots are large, and the sizes of large and small ones."""
 
 
+def drawn(folder: Path) -> set[str]:
+    """Return the names of the comparisons that have a figure in a folder."""
+    return {file.stem for file in (folder / FIGURES).glob("*.png")}
+
+
 def draw(result: Result, folder: Path) -> Path | None:
     """Draw a comparison into a folder, and return the file; None if there is nothing to show.
 

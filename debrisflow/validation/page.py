@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from itertools import groupby
 from math import isfinite
 
@@ -25,15 +25,19 @@ are counted apart.
 """
 
 
-def page(results: Sequence[Result], figures: str = FIGURES, note: str = "") -> str:
+def page(
+    results: Sequence[Result], drawn: Container[str], figures: str = FIGURES, note: str = ""
+) -> str:
     """Return the page on some results.
 
     Parameters
     ----------
     results : sequence of Result
         In the order of the register.
+    drawn : container of str
+        Names of the comparisons that have a figure.
     figures : str
-        Where their figures lie, from the page.
+        Where the figures lie, from the page.
     note : str, optional
         A paragraph after the introduction.
     """
@@ -42,7 +46,10 @@ def page(results: Sequence[Result], figures: str = FIGURES, note: str = "") -> s
     for group, members in groupby(results, lambda result: result.comparison.group):
         lines += [f"## {group.value}", ""]
         for result in members:
-            lines += _comparison(result, figures)
+            lines += _comparison(result)
+            name = result.comparison.name
+            if name in drawn:
+                lines += [f"![{result.comparison.title}]({figures}/{name}.png)", ""]
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -99,7 +106,7 @@ def computed_by(results: Sequence[Result]) -> str:
     )
 
 
-def _comparison(result: Result, figures: str) -> Iterator[str]:
+def _comparison(result: Result) -> Iterator[str]:
     one = result.comparison
     yield f"### {one.title}"
     yield ""
@@ -124,9 +131,6 @@ def _comparison(result: Result, figures: str) -> Iterator[str]:
         yield one.discussion
     yield ""
     yield from _convergence(result)
-    if result.panels or len(result.convergence.steps) > 1:
-        yield f"![{one.title}]({figures}/{one.name}.png)"
-        yield ""
 
 
 def _row(row: Row, level: str, misses: list[str]) -> str:

@@ -9,7 +9,7 @@ from tempfile import TemporaryFile
 from debrisflow.errors import DebrisflowError, OutputError
 from debrisflow.run.atomic import replaced
 from debrisflow.validation.comparison import Comparison
-from debrisflow.validation.figures import draw
+from debrisflow.validation.figures import draw, drawn
 from debrisflow.validation.page import PAGE, page
 from debrisflow.validation.register import COMPARISONS
 from debrisflow.validation.report import write_report
@@ -95,7 +95,7 @@ class Validation:
                 draw(result, self.folder)
         text = self.folder / PAGE
         with replaced(text) as unfinished:
-            unfinished.write_text(page(results), encoding="utf-8")
+            unfinished.write_text(page(results, drawn(self.folder)), encoding="utf-8")
         return [write_table(self.folder, results), text, write_report(self.folder, results)]
 
     def refuse_unexplained(self) -> None:

@@ -254,7 +254,7 @@ def test_the_page_has_every_row_with_limit_reason_and_reference(known, tmp_path:
 
 
 def test_the_page_of_nothing_says_so():
-    assert "Computed never" in page([])
+    assert "Computed never" in page([], ())
 
 
 def test_json_has_a_line_for_each_level_and_one_for_all(known, tmp_path: Path):

@@ -362,6 +362,7 @@ PROLOGUE = """
 import sys
 from debrisflow import _jit
 from debrisflow.physics import operators
+from debrisflow.validation.marching import advance
 from tests.building import *
 """
 EPILOGUE = """
