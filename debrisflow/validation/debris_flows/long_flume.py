@@ -37,6 +37,8 @@ MIXED_AT = 6.0, 7.0, 8.0
 """When concentrations are taken, s: the front is on the bed."""
 COARSEST = 5
 """Spacings across the bed up to which seedings choose among flows."""
+WITH_WAVES = 7
+"""Spacings across the bed up to which waves that are one spacing high run on the flow."""
 LATE = 10
 """Spacings across the bed from which on the flow is late."""
 RESTS_UNTIL = 2.0
@@ -53,8 +55,8 @@ SLOW = (
 )
 PROFILE = "chosen: a tenth of the speed of the surface; the profile is of two to four layers"
 COARSE = (
-    "at 20 mm waves that are one spacing high run behind the front, so that seedings, and the "
-    "digits of a processor, choose among profiles"
+    "waves that are one spacing high run behind the front at 20 and at 14 mm, so that seedings, "
+    "and the digits of a processor, choose among profiles"
 )
 SINGLE = "at single times the 30 particles of a head scatter"
 
@@ -225,16 +227,16 @@ def _mixture_rows(found: Flume, level: Level) -> tuple[Row, ...]:
 
 def _profile_rows(found: Flume, level: Level) -> tuple[Row, ...]:
     profile = speed_profile(found, *_behind_front(found))
-    is_coarse = level.across <= COARSEST
+    is_wavy = level.across <= WITH_WAVES
     return (
         at_most(
             "rms of u/u_s at 6.9 m to the dilatant profile",
             profile.error,
             0.1,
             PROFILE,
-            miss=COARSE if is_coarse else "",
+            miss=COARSE if is_wavy else "",
             worst=0.25,
-            is_certain=not is_coarse,
+            is_certain=not is_wavy,
         ),
         stated("depth of the moving layer there", profile.depth, "m"),
         stated("speed of its surface", profile.surface, "m/s"),
