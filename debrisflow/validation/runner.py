@@ -97,9 +97,10 @@ def compute(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, LevelRe
             yield task, computed(task)
         return
     context = multiprocessing.get_context("spawn")
+    others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(workers, context, _leave_signals)
+    running = {pool.submit(computed, task): task for task in tasks}
     try:
-        running = {pool.submit(computed, task): task for task in tasks}
         for done in as_completed(running):
             yield running[done], done.result()
     except BrokenProcessPool as error:
@@ -108,9 +109,10 @@ def compute(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, LevelRe
             "fewer at a time with --workers"
         ) from error
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in multiprocessing.active_children():
-            process.terminate()
+        if not all(future.done() for future in running):
+            for process in set(multiprocessing.active_children()) - others:
+                process.terminate()
+        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _leave_signals() -> None:
