@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
+from docs_headlines import headlines
 
 from debrisflow.case import case_schema
 from debrisflow.particles.arrays import ARRAYS
@@ -28,11 +29,8 @@ from debrisflow.run.events import FIELDS
 from debrisflow.run.folder_status import MORE_FIELDS, SEEN
 from debrisflow.study.loading import study_schema
 from debrisflow.validation.figures import FIGURES, drawn
-from debrisflow.validation.page import anchor
 from debrisflow.validation.page import page as validation_page
 from debrisflow.validation.publication import results_in
-from debrisflow.validation.result import Result
-from debrisflow.validation.table import summary
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -50,33 +48,6 @@ TOPICS = {
     "Expect": "What to expect",
     "Takes": "Time it takes",
 }
-# what the README says of the accuracy: words, and comparison, level and measure of the row
-HEADLINES = (
-    (
-        "still water, 20 rows: rms error of the pressure over that at the floor",
-        ("still_water", "20 rows", "rms error of the pressure / pressure at the floor"),
-    ),
-    (
-        "dam break of Martin & Moyce, 32 particles across: rms of the front, shifted in time",
-        ("martin_moyce", "a/32", "rms of the front, after the best shift"),
-    ),
-    (
-        "dam break against a box, three dimensions: rms of the level before the box (0.15 m deep)",
-        ("spheric2", "d0 = 31 mm", "rms of the level H2 to 2 s"),
-    ),
-    (
-        "flume with a movable bed (A1): time of the front from 2.0 to 6.9 m, calibrated",
-        ("flume2d", "20 mm", "front from 2.0 to 6.9 m (fitted)"),
-    ),
-    (
-        "flume of the USGS: mean arrival at 66 m, one friction fitted at 32 m",
-        ("usgs_flume", "100 mm", "mean arrival at 66 m"),
-    ),
-    (
-        "landslide near Mount St. Helens: run-out along its path, friction fitted",
-        ("st_helens", "2 m", "run-out along the path"),
-    ),
-)
 PICTURES = {  # of the pages of cases, where a comparison has one
     "heap3d": "lube_heap",
     "marin3d": "spheric2",
@@ -148,7 +119,8 @@ def pages() -> dict[Path, str]:
         "What misses its limit is discussed at length, with what was tried, on the page "
         "[Misses](misses.md).",
     )
-    written[README] = with_headlines(README.read_text(encoding="utf-8"), results)
+    accuracy = "\n".join(headlines(results)) + "\n"
+    written[README] = with_part(README.read_text(encoding="utf-8"), accuracy)
     cases = {path.stem: path for path in sorted(CASES.glob("*.toml"))}
     for name, path in cases.items():
         written[DOCS / "cases" / f"{name}.md"] = page_of_case(
@@ -161,36 +133,13 @@ def pages() -> dict[Path, str]:
 def renewed(name: str, lines: Iterator[str]) -> str:
     """Return a page with its generated part renewed."""
     text = (DOCS / name).read_text(encoding="utf-8")
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    return before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after
+    return with_part(text, "\n" + "\n".join(lines) + "\n")
 
 
-def with_headlines(text: str, results: Sequence[Result]) -> str:
-    """Return the README with its table of accuracy made of results."""
+def with_part(text: str, part: str) -> str:
+    """Return a page with another generated part."""
     before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    by_name = {result.comparison.name: result for result in results}
-    lines = ["| what | computed (reference) |", "|---|---|"]
-    for words, (name, label, measure) in HEADLINES:
-        result = by_name.get(name)
-        rows = result.rows if result else []
-        found = [row for level, row in rows if (level.label, row.measure) == (label, measure)]
-        if result is None or not found:
-            raise click.ClickException(
-                f"no row '{measure}' of {name} at {label}, which the README shows; compute it "
-                f"with: debrisflow validate {name} -o docs/validation"
-            )
-        address = f"docs/validation.md#{anchor(result.comparison.group)}"
-        lines.append(f"| [{words}]({address}) | {found[0].shown_value()} |")
-    lines += [
-        "",
-        "The [validation page](docs/validation.md) has all; `debrisflow validate --quick` computes "
-        "a part of them",
-        f"on your machine in ten minutes. In all, over {len(results)} comparisons: "
-        f"{summary(results)}.",
-    ]
-    return before + BEGIN + "\n".join(lines) + "\n" + END + after
+    return before + BEGIN + part + END + rest.split(END)[1]
 
 
 def arrays() -> Iterator[str]:

@@ -274,7 +274,8 @@ def test_a_shipped_study_is_valid_and_says_what_it_is(path):
         assert f"# {word}:" in head
 
 
-def test_generated_pages_are_up_to_date():
+def test_generated_pages_are_up_to_date(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "scripts")  # as for a script that is started there
     pages = runpy.run_path(str(ROOT / "scripts/docs.py"))["pages"]()
 
     stale = [path.name for path, text in pages.items() if path.read_text("utf-8") != text]
